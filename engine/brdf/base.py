@@ -1,0 +1,70 @@
+"""The BRDF contract.
+
+A model is one file with a `Material` subclass, its description in JSON, and three Numba kernels:
+
+    evaluate(p, wi, wo)  -> (r, g, b)   BRDF in sr⁻¹, without the cosine
+    sample(p, wo, u)     -> (x, y, z)   an incident direction; z ≤ 0 means that the light is lost
+    pdf(p, wi, wo)       -> float       density of `sample` over solid angle, 0 below the surface
+
+`p` is a row of ROW float32 numbers, made by the description's `row()`; `wi`, `wo` are unit tuples
+in the local frame (z the normal), both leaving the surface; `u` is three numbers in [0, 1).
+All three must return 0 (or a direction that is lost) where wi or wo lies below the surface, and
+never NaN. `albedo` is the same for every model: see `engine.brdf.albedo`.
+
+Rows share their first places, so that textures can replace them without knowing the model:
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from pydantic import Field
+
+from engine.numerics.description import Description, Radiance
+
+ROW = 16
+DIFFUSE = 0  # three places: diffuse reflectance, linear RGB
+SPECULAR = 3  # three places: specular reflectance or reflectance at normal incidence
+ROUGHNESS = 6  # one place: the model's roughness or exponent
+EXTRA = 7  # from here on: the model's own
+
+
+class Material(Description):
+    """What every material has, whatever its model."""
+
+    emission: Radiance = Field((0.0, 0.0, 0.0), description="radiance emitted, W·sr⁻¹·m⁻²")
+
+    def row(self) -> NDArray[np.float32]:
+        """(ROW,) float32 parameters for the kernels."""
+        raise NotImplementedError
+
+    def _fill(
+        self,
+        diffuse: tuple[float, float, float],
+        specular: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        roughness: float = 0.0,
+    ) -> NDArray[np.float32]:
+        row = np.zeros(ROW, np.float32)
+        row[DIFFUSE : DIFFUSE + 3] = diffuse
+        row[SPECULAR : SPECULAR + 3] = specular
+        row[ROUGHNESS] = roughness
+        return row
+
+
+@njit
+def diffuse_colour(p):
+    """Diffuse reflectance of a row."""
+    return (float(p[0]), float(p[1]), float(p[2]))
+
+
+@njit
+def specular_colour(p):
+    """Specular reflectance of a row."""
+    return (float(p[3]), float(p[4]), float(p[5]))
+
+
+@njit
+def luminance(c):
+    """Rec. 709 luminance of a linear RGB triple, used to weigh lobes against each other."""
+    return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]

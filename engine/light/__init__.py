@@ -1,0 +1,1 @@
+"""Local lights, environments and skies: one contract (`base`), one file per light, one table."""

@@ -1,0 +1,147 @@
+"""Light from infinity: a latitude-longitude map around the scene, importance-sampled.
+
+Row 0 of the map looks up (+y); column 0 looks along -z, and columns run so that the map, seen from
+inside, reads from left to right: u = 1/2 + atan2(x, -z) / 2π for direction (x, y, z). The rotation
+turns the map counter-clockwise about +y as seen from above.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from pydantic import Field
+
+from engine.numerics.description import Description, Finite, NonNegative, Radiance
+
+
+class EnvironmentDescription(Description):
+    """`map` is a file, the name of a built-in map, or a constant radiance."""
+
+    map: str | Radiance = (1.0, 1.0, 1.0)
+    rotation_degrees: Finite = 0.0
+    intensity: Annotated[NonNegative, Field(description="factor on the map's radiance")] = 1.0
+
+
+class EnvironmentTable(NamedTuple):
+    """An environment as kernels want it; a table with `present` False is black.
+
+    present      bool
+    radiance     (h, w, 3) float32   intensity included
+    cos_r sin_r  float               rotation
+    rows         (h + 1,) float64    cumulative probability of the map's rows
+    columns      (h, w + 1) float64  cumulative probability of the pixels of each row
+    """
+
+    present: bool
+    radiance: NDArray[np.float32]
+    cos_r: float
+    sin_r: float
+    rows: NDArray[np.float64]
+    columns: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Environment:
+    """A description with its map, (h, w, 3) float32 linear radiance before the intensity."""
+
+    description: EnvironmentDescription
+    radiance: NDArray[np.float32]
+
+    @cached_property
+    def table(self) -> EnvironmentTable:
+        """For the kernels."""
+        return environment_table(self)
+
+
+def environment_table(environment: Environment | None) -> EnvironmentTable:
+    """Pack an environment, or its absence, for the kernels."""
+    if environment is None:
+        one = np.zeros((1, 1, 3), np.float32)
+        return EnvironmentTable(False, one, 1.0, 0.0, np.array([0.0, 1.0]), np.array([[0.0, 1.0]]))
+    angle = math.radians(environment.description.rotation_degrees)
+    radiance = environment.radiance * np.float32(environment.description.intensity)
+    height, width = radiance.shape[:2]
+    # A pixel's probability is its brightness times its solid angle, which shrinks at the poles.
+    edges = np.cos(np.linspace(0, np.pi, height + 1))
+    weight = radiance.mean(axis=2, dtype=np.float64) * (edges[:-1] - edges[1:])[:, None]
+    weight += 1e-6 * weight.mean() + 1e-30
+    columns = np.zeros((height, width + 1))
+    columns[:, 1:] = np.cumsum(weight, axis=1)
+    rows = np.concatenate([[0.0], np.cumsum(columns[:, -1])])
+    columns /= columns[:, -1:]
+    rows /= rows[-1]
+    return EnvironmentTable(
+        True, np.ascontiguousarray(radiance), math.cos(angle), math.sin(angle), rows, columns
+    )
+
+
+@njit
+def _to_map(table, d):
+    return (
+        table.cos_r * d[0] - table.sin_r * d[2],
+        d[1],
+        table.sin_r * d[0] + table.cos_r * d[2],
+    )
+
+
+@njit
+def _pixel(table, d):
+    """(row, column) that direction d falls on."""
+    height, width = table.radiance.shape[:2]
+    x, y, z = _to_map(table, d)
+    u = 0.5 + math.atan2(x, -z) / (2.0 * math.pi)
+    v = math.acos(max(-1.0, min(1.0, y))) / math.pi
+    return min(int(v * height), height - 1), min(int(u * width), width - 1)
+
+
+@njit
+def radiance(table, d):
+    """Radiance that arrives from direction d (unit, leaving the scene), piecewise constant."""
+    if not table.present:
+        return (0.0, 0.0, 0.0)
+    i, j = _pixel(table, d)
+    return (
+        float(table.radiance[i, j, 0]),
+        float(table.radiance[i, j, 1]),
+        float(table.radiance[i, j, 2]),
+    )
+
+
+@njit
+def pdf(table, d):
+    """Density of `sample` over solid angle."""
+    if not table.present:
+        return 0.0
+    i, j = _pixel(table, d)
+    height, width = table.radiance.shape[:2]
+    probability = (table.rows[i + 1] - table.rows[i]) * (
+        table.columns[i, j + 1] - table.columns[i, j]
+    )
+    band = math.cos(math.pi * i / height) - math.cos(math.pi * (i + 1) / height)
+    return probability / (band * 2.0 * math.pi / width)
+
+
+@njit
+def sample(table, u1, u2):
+    """A unit direction with density `pdf`, uniform within its pixel."""
+    height, width = table.radiance.shape[:2]
+    i = min(np.searchsorted(table.rows, u1, side="right") - 1, height - 1)
+    u1 = (u1 - table.rows[i]) / (table.rows[i + 1] - table.rows[i])
+    j = min(np.searchsorted(table.columns[i], u2, side="right") - 1, width - 1)
+    u2 = (u2 - table.columns[i, j]) / (table.columns[i, j + 1] - table.columns[i, j])
+    top, bottom = math.cos(math.pi * i / height), math.cos(math.pi * (i + 1) / height)
+    y = top + u1 * (bottom - top)
+    r = math.sqrt(max(0.0, 1.0 - y * y))
+    phi = 2.0 * math.pi * ((j + u2) / width - 0.5)
+    x, z = r * math.sin(phi), -r * math.cos(phi)
+    return (
+        table.cos_r * x + table.sin_r * z,
+        y,
+        -table.sin_r * x + table.cos_r * z,
+    )

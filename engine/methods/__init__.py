@@ -1,0 +1,1 @@
+"""The four methods, one package each, and the contract they share (`base`)."""

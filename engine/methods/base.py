@@ -1,0 +1,103 @@
+"""The method contract: precompute once, relight at once.
+
+    method.name, method.paper, method.edits
+    method.precompute(scene, settings, executor, progress) -> Product
+    product.relight(edits, scale) -> Frame
+    product.bytes, product.settings; save and load are the store's, by content hash
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.diagnosis import Diagnosis
+from engine.errors import EditNotSupported
+from engine.scene.edits import Edits
+from engine.scene.scene import Scene
+
+Progress = Callable[[str, float, float], None]
+"""progress(phase, done, total); it may raise `Cancelled` to stop the work."""
+
+
+def silent(phase: str, done: float, total: float) -> None:
+    """Progress that goes nowhere."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A picture.
+
+    image     (height, width, 3) float32, linear radiance
+    timings   seconds by part, `total` among them
+    warnings  what the user should know about this very picture
+    """
+
+    image: NDArray[np.float32]
+    timings: dict[str, float] = field(default_factory=dict)
+    warnings: tuple[Diagnosis, ...] = ()
+
+
+class Product(Protocol):
+    """A finished precompute: holds the transport, makes frames."""
+
+    @property
+    def method(self) -> str:
+        """Name of the method that made it."""
+
+    @property
+    def settings(self) -> Any:
+        """The frozen settings it was made with."""
+
+    @property
+    def bytes(self) -> int:
+        """Size of the transport data."""
+
+    def relight(self, edits: Edits, scale: int = 1) -> Frame:
+        """The picture under the edits; scale 2 gives every second pixel of every second row.
+
+        Raises EditNotSupported where the product cannot take an edit.
+        """
+
+
+@dataclass(frozen=True)
+class Method:
+    """One published method.
+
+    name        as in the design's table, and as its package
+    paper       authors, year, title
+    edits       subset of {camera, environment, lights, materials}
+    settings    frozen dataclass; its defaults are the paper's values
+    precompute  (scene, settings, executor, progress) -> Product
+    """
+
+    name: str
+    paper: str
+    edits: frozenset[str]
+    settings: type
+    precompute: Callable[[Scene, Any, Executor, Progress], Product]
+
+
+# Which method takes which edit: said to the user by the method that does not.
+EDITS = {
+    "glossy_prt": frozenset({"camera", "environment"}),
+    "direct_to_indirect": frozenset({"lights"}),
+    "brdf_editing": frozenset({"materials"}),
+    "wavelet_brdf": frozenset({"camera", "lights"}),
+}
+
+
+def require_supported(method: str, edits: Edits) -> None:
+    """Raise EditNotSupported if `edits` touches what the method holds fixed."""
+    for key in sorted(edits.touched() - EDITS[method]):
+        able = [name for name, takes in EDITS.items() if key in takes]
+        raise EditNotSupported(
+            f"{method} takes edits of {', '.join(sorted(EDITS[method]))} only; "
+            f"{key} can be edited with {' or '.join(able)}",
+            field=key,
+        )

@@ -1,0 +1,1 @@
+"""What the fixed-camera methods share: deep frame-buffer, gather cloud, hierarchy, links."""

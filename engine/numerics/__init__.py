@@ -1,0 +1,1 @@
+"""Numbers that know nothing of scenes: vectors, frames, sampling, Haar, parallel loops."""

@@ -1,0 +1,1 @@
+"""Scenes: description, loading, built-in scenes, camera, meshes and rays."""

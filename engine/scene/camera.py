@@ -1,0 +1,61 @@
+"""The pinhole camera."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from engine.numerics.description import Description, Point
+
+MAX_PIXELS = 4096 * 4096
+
+
+class Camera(Description):
+    """Position, target and up in world space; the vertical field of view in degrees; pixels."""
+
+    position: Point
+    target: Point
+    up: Point = (0.0, 1.0, 0.0)
+    fov_y_degrees: Annotated[float, Field(gt=0.1, lt=170)] = 40.0
+    width: Annotated[int, Field(ge=1, le=16384)] = 640
+    height: Annotated[int, Field(ge=1, le=16384)] = 480
+
+    @model_validator(mode="after")
+    def _has_directions(self) -> Camera:
+        forward = np.subtract(self.target, self.position)
+        if np.linalg.norm(forward) == 0:
+            raise ValueError("position and target are the same point")
+        if np.linalg.norm(np.cross(forward, self.up)) == 0:
+            raise ValueError("up is zero or parallel to the viewing direction")
+        if self.width * self.height > MAX_PIXELS:
+            raise ValueError(
+                f"{self.width} x {self.height} pixels are more than {MAX_PIXELS}; "
+                "render a smaller picture or render it in parts"
+            )
+        return self
+
+    def basis(self) -> NDArray[np.float64]:
+        """(3, 3): rows are right, up, backward; unit length, right-handed."""
+        back = np.subtract(self.position, self.target).astype(np.float64)
+        back /= np.linalg.norm(back)
+        right = np.cross(self.up, back)
+        right /= np.linalg.norm(right)
+        return np.stack([right, np.cross(back, right), back])
+
+    def directions(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float32]:
+        """Unit directions (n, 3) float32 through pixel coordinates.
+
+        x (n,) runs from 0 at the left edge to width, y (n,) from 0 at the top edge to height;
+        pixel centres are at half-integers.
+        """
+        half = math.tan(math.radians(self.fov_y_degrees) / 2)
+        right, up, back = self.basis()
+        sx = (2 * np.asarray(x, np.float64) / self.width - 1) * half * self.width / self.height
+        sy = (1 - 2 * np.asarray(y, np.float64) / self.height) * half
+        d = sx[:, None] * right + sy[:, None] * up - back
+        d /= np.linalg.norm(d, axis=1, keepdims=True)
+        return d.astype(np.float32)

@@ -1,0 +1,99 @@
+"""What a ray meets: position, normals and BRDF parameters at a point of a triangle (kernels)."""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from engine.numerics.vec import add, cross, dot, normalize, scale, sub, vec
+
+
+@njit
+def position(geometry, triangle, b1, b2):
+    """World position at barycentrics (b1, b2)."""
+    a, b, c = geometry.triangles[triangle]
+    return add(
+        add(
+            scale(vec(geometry.positions, a), 1.0 - b1 - b2), scale(vec(geometry.positions, b), b1)
+        ),
+        scale(vec(geometry.positions, c), b2),
+    )
+
+
+@njit
+def geometric_normal(geometry, triangle):
+    """Unit normal of the flat triangle, on its counter-clockwise side."""
+    a, b, c = geometry.triangles[triangle]
+    pa = vec(geometry.positions, a)
+    return normalize(
+        cross(sub(vec(geometry.positions, b), pa), sub(vec(geometry.positions, c), pa))
+    )
+
+
+@njit
+def normals(geometry, triangle, b1, b2, w):
+    """(geometric, shading) unit normals, both turned to the side of the direction w.
+
+    Surfaces are two-sided: light and eye may come from either side and meet the same BRDF. The
+    shading normal is bent back where it would face away from w, so that w never lies below it.
+    """
+    g = geometric_normal(geometry, triangle)
+    a, b, c = geometry.triangles[triangle]
+    s = normalize(
+        add(
+            add(
+                scale(vec(geometry.normals, a), 1.0 - b1 - b2), scale(vec(geometry.normals, b), b1)
+            ),
+            scale(vec(geometry.normals, c), b2),
+        )
+    )
+    if dot(s, g) < 0.0:
+        s = scale(s, -1.0)
+    if dot(g, w) < 0.0:
+        g, s = scale(g, -1.0), scale(s, -1.0)
+    below = dot(s, w)
+    if below < 1e-3:
+        s = normalize(add(s, scale(w, 1e-3 - below)))
+    if dot(s, s) == 0.0:
+        s = g
+    return g, s
+
+
+@njit
+def _texel(materials, texture, u, v):
+    """Bilinear, repeating look-up of texture number `texture` at (u, v)."""
+    first, width, height = materials.texture[texture]
+    x, y = u * width - 0.5, v * height - 0.5
+    x0, y0 = math.floor(x), math.floor(y)
+    fx, fy = x - x0, y - y0
+    r = g = b = 0.0
+    for j in range(2):
+        for i in range(2):
+            w = (fx if i else 1.0 - fx) * (fy if j else 1.0 - fy)
+            k = first + (int(y0) + j) % height * width + (int(x0) + i) % width
+            r += w * materials.texels[k, 0]
+            g += w * materials.texels[k, 1]
+            b += w * materials.texels[k, 2]
+    return (r, g, b)
+
+
+@njit
+def parameters(geometry, materials, triangle, b1, b2, out):
+    """Fill out (16,) with the BRDF parameters at a point; returns the model's index."""
+    m = geometry.material[triangle]
+    for k in range(out.shape[0]):
+        out[k] = materials.row[m, k]
+    if materials.maps[m, 0] >= 0 or materials.maps[m, 1] >= 0 or materials.maps[m, 2] >= 0:
+        a, b, c = geometry.triangles[triangle]
+        b0 = 1.0 - b1 - b2
+        u = b0 * geometry.uvs[a, 0] + b1 * geometry.uvs[b, 0] + b2 * geometry.uvs[c, 0]
+        v = b0 * geometry.uvs[a, 1] + b1 * geometry.uvs[b, 1] + b2 * geometry.uvs[c, 1]
+        for slot in range(2):
+            if materials.maps[m, slot] >= 0:
+                t = _texel(materials, materials.maps[m, slot], u, v)
+                for k in range(3):
+                    out[3 * slot + k] *= t[k]
+        if materials.maps[m, 2] >= 0:
+            out[6] *= _texel(materials, materials.maps[m, 2], u, v)[0]
+    return materials.model[m]
