@@ -1,14 +1,14 @@
 """Every error that Relight raises on purpose.
 
-    RelightError                 anything below; `str(error)` is a sentence a person can act on
-    ├── InputError               bad input: a file, a field, a value (HTTP 422)
-    │   ├── SceneError           a scene description or a mesh, names file and field
-    │   └── EditError            an edit that does not fit the scene, names the field
-    │       └── EditNotSupported the method cannot take this edit; names the one that can
-    ├── NotFound                 no such scene, job or method (HTTP 404)
-    ├── StoreError               a stored product is damaged or of another version
-    ├── BackendError             GL is missing or was lost; the message says what to install
-    └── Cancelled                somebody asked the work to stop
+RelightError                 anything below; `str(error)` is a sentence a person can act on
+├── InputError               bad input: a file, a field, a value (HTTP 422)
+│   ├── SceneError           a scene description or a mesh, names file and field
+│   └── EditError            an edit that does not fit the scene, names the field
+│       └── EditNotSupported the method cannot take this edit; names the one that can
+├── NotFound                 no such scene, job or method (HTTP 404)
+├── StoreError               a stored product is damaged or of another version
+├── BackendError             GL is missing or was lost; the message says what to install
+└── Cancelled                somebody asked the work to stop
 """
 
 from __future__ import annotations

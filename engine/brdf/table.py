@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from types import ModuleType
+
 from engine.brdf import diffuse
+from engine.brdf.base import Material
 from engine.brdf.diffuse import Diffuse
 from engine.numerics.dispatch import by_index
 
-MODELS = {
+MODELS: dict[type[Material], ModuleType] = {
     Diffuse: diffuse,
 }
 

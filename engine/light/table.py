@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +14,7 @@ from engine.light.base import ROW, Light
 from engine.light.point import PointLight
 from engine.numerics.dispatch import by_index
 
-LIGHTS = {
+LIGHTS: dict[type[Light], ModuleType] = {
     PointLight: point,
 }
 

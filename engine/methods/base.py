@@ -1,9 +1,9 @@
 """The method contract: precompute once, relight at once.
 
-    method.name, method.paper, method.edits
-    method.precompute(scene, settings, executor, progress) -> Product
-    product.relight(edits, scale) -> Frame
-    product.bytes, product.settings; save and load are the store's, by content hash
+method.name, method.paper, method.edits
+method.precompute(scene, settings, executor, progress) -> Product
+product.relight(edits, scale) -> Frame
+product.bytes, product.settings; save and load are the store's, by content hash
 """
 
 from __future__ import annotations

@@ -57,8 +57,9 @@ def edited_lights(
         if not isinstance(name, str):
             raise EditError("every light edit needs the id of its light", field=f"{field}.id")
         old = result.get(name)
-        same_type = old is not None and change.get("type", old.model_dump()["type"]) == (
-            old.model_dump()["type"]
+        same_type = (
+            old is not None
+            and change.get("type", old.model_dump()["type"]) == (old.model_dump()["type"])
         )
         merged = {**(old.model_dump() if old is not None and same_type else {}), **change}
         try:
