@@ -68,3 +68,10 @@ def specular_colour(p):
 def luminance(c):
     """Rec. 709 luminance of a linear RGB triple, used to weigh lobes against each other."""
     return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]
+
+
+@njit
+def share(a, b):
+    """Luminance of a as a part of that of a and b together; 1 where both are black."""
+    wa, wb = luminance(a), luminance(b)
+    return wa / (wa + wb) if wb > 0.0 else 1.0

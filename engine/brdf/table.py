@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 from types import ModuleType
+from typing import Annotated
 
-from engine.brdf import diffuse
+from pydantic import Field
+
+from engine.brdf import blinn_phong, diffuse, ggx, phong
 from engine.brdf.base import Material
+from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.diffuse import Diffuse
+from engine.brdf.ggx import Ggx
+from engine.brdf.phong import Phong
 from engine.numerics.dispatch import by_index
 
 MODELS: dict[type[Material], ModuleType] = {
     Diffuse: diffuse,
+    Phong: phong,
+    BlinnPhong: blinn_phong,
+    Ggx: ggx,
 }
 
-AnyMaterial = Diffuse  # the union of all descriptions, discriminated by `type`
+AnyMaterial = Annotated[Diffuse | Phong | BlinnPhong | Ggx, Field(discriminator="type")]
 
 INDEX = {description: index for index, description in enumerate(MODELS)}
 

@@ -1,0 +1,172 @@
+"""GGX (Trowbridge-Reitz) microfacets over a diffuse base that gets what the facets let through.
+
+Facets (Walter, Marschner, Li, Torrance 2007, *Microfacet Models for Refraction through Rough
+Surfaces*): f_s = F D G / (4 cos θ_i cos θ_o) with
+    D = α² / (π (cos² θ_h (α² - 1) + 1)²)                                   (eq. 33)
+    G = 1 / (1 + Λ(wi) + Λ(wo)), Λ = (√(1 + α² tan² θ) - 1) / 2             height-correlated Smith,
+        Heitz 2014, *Understanding the Masking-Shadowing Function*, eq. 99
+    F = F0 + (F90 - F0)(1 - wo·h)⁵                                          Schlick 1994, eq. 15
+F0 is `specular`, α the square of `roughness` (Burley 2012, §5.4) but at least MIN_ALPHA, F90 is 1
+unless F0 stays below 2 %, which no real interface does: from there F90 falls to 0 with F0 (Lagarde
+and de Rousiers 2014, §3.2), so that `specular` 0 is exactly Lambert's model.
+
+Base (Shirley, Smits, Hu, Lafortune 1997, *A Practitioners' Assessment of Light Reflection
+Models*, §5): f_d = ρ (1 - F(θ_i)) (1 - F(θ_o)) / (π c), with c the cosine-weighted mean of 1 - F
+over the hemisphere, which for Schlick's F is 1 - F0 - (F90 - F0) / 21. The base reflects
+ρ (1 - F(θ_o)).
+
+Both parts are reciprocal. Light that bounces between facets is lost: at `roughness` 1 white facets
+seen from above keep 31 % of it, at 0.5 still 97 %.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from pydantic import Field
+
+from engine.brdf.base import ROUGHNESS, Material, diffuse_colour, share, specular_colour
+from engine.numerics.description import Reflectance, Unit
+from engine.numerics.sampling import cosine_hemisphere
+from engine.numerics.vec import add, cross, dot, mul, normalize, reflect, scale
+
+MIN_ALPHA = 0.002  # a highlight about a tenth of a degree wide
+
+
+class Ggx(Material):
+    """Metals (`diffuse` 0, `specular` the metal's colour) and plastics (`specular` about 0.04)."""
+
+    type: Literal["ggx"] = "ggx"
+    diffuse: Annotated[Reflectance, Field(description="reflectance of the base")] = (0.5, 0.5, 0.5)
+    specular: Annotated[Reflectance, Field(description="F0, reflectance at normal incidence")] = (
+        0.04,
+        0.04,
+        0.04,
+    )
+    roughness: Annotated[Unit, Field(description="perceptual; α is its square")] = 0.5
+
+    def row(self) -> NDArray[np.float32]:
+        """See `Material.row`."""
+        return self._fill(self.diffuse, self.specular, self.roughness)
+
+
+@njit
+def _alpha(p):
+    roughness = float(p[ROUGHNESS])
+    return max(MIN_ALPHA, roughness * roughness)
+
+
+@njit
+def _f90(f0):
+    return min(1.0, 50.0 * max(f0[0], f0[1], f0[2]))
+
+
+@njit
+def _fresnel(f0, cosine):
+    """Schlick's F for a colour."""
+    w = (1.0 - min(1.0, max(0.0, cosine))) ** 5
+    g = _f90(f0) * w
+    return (f0[0] * (1.0 - w) + g, f0[1] * (1.0 - w) + g, f0[2] * (1.0 - w) + g)
+
+
+@njit
+def _passed(f0, cosine):
+    """1 - F, for a colour."""
+    f = _fresnel(f0, cosine)
+    return (1.0 - f[0], 1.0 - f[1], 1.0 - f[2])
+
+
+@njit
+def _mean_passed(f0, f90):
+    """Cosine-weighted mean of 1 - F over the hemisphere, for one channel."""
+    return 1.0 - f0 - (f90 - f0) / 21.0
+
+
+@njit
+def _distribution(alpha, h):
+    """D, with 1 - cos² written as x² + y² so that sharp lobes keep their digits."""
+    a2 = alpha * alpha
+    t = a2 * h[2] * h[2] + h[0] * h[0] + h[1] * h[1]
+    return a2 / (math.pi * t * t)
+
+
+@njit
+def _stretched(alpha, c):
+    """cos θ √(1 + α² tan² θ)."""
+    a2 = alpha * alpha
+    return math.sqrt(a2 + (1.0 - a2) * c * c)
+
+
+@njit
+def _base_share(p, wo):
+    """Probability of sampling the base: its part of the light reflected towards wo, roughly."""
+    f0 = specular_colour(p)
+    return share(mul(diffuse_colour(p), _passed(f0, wo[2])), _fresnel(f0, wo[2]))
+
+
+@njit
+def evaluate(p, wi, wo):
+    """f_d + f_s."""
+    if wi[2] <= 0.0 or wo[2] <= 0.0:
+        return (0.0, 0.0, 0.0)
+    alpha = _alpha(p)
+    f0 = specular_colour(p)
+    f90 = _f90(f0)
+    # The base, which vanishes where the facets let nothing through.
+    base = mul(diffuse_colour(p), mul(_passed(f0, wi[2]), _passed(f0, wo[2])))
+    base = (
+        base[0] / (math.pi * max(1e-9, _mean_passed(f0[0], f90))),
+        base[1] / (math.pi * max(1e-9, _mean_passed(f0[1], f90))),
+        base[2] / (math.pi * max(1e-9, _mean_passed(f0[2], f90))),
+    )
+    # G / (4 cos θ_i cos θ_o), simplified so that nothing vanishes at grazing angles.
+    visible = 0.5 / max(1e-30, wo[2] * _stretched(alpha, wi[2]) + wi[2] * _stretched(alpha, wo[2]))
+    h = normalize(add(wi, wo))
+    return add(base, scale(_fresnel(f0, dot(wo, h)), visible * _distribution(alpha, h)))
+
+
+@njit
+def _visible_normal(alpha, wo, u1, u2):
+    """A facet normal with density D · G1(wo) · (wo·h) / cos θ_o.
+
+    Heitz 2018, *Sampling the GGX Distribution of Visible Normals*: stretch the surface so that the
+    facets become a hemisphere, pick a point of its projection along the view, stretch back.
+    """
+    v = normalize((alpha * wo[0], alpha * wo[1], wo[2]))
+    t1 = (1.0, 0.0, 0.0)
+    if v[0] * v[0] + v[1] * v[1] > 0.0:
+        t1 = normalize((-v[1], v[0], 0.0))
+    t2 = cross(v, t1)
+    # A point of the unit disk, squeezed into the half disk plus half ellipse that the view sees.
+    r, phi = math.sqrt(u1), 2.0 * math.pi * u2
+    a, b = r * math.cos(phi), r * math.sin(phi)
+    s = 0.5 * (1.0 + v[2])
+    b = (1.0 - s) * math.sqrt(max(0.0, 1.0 - a * a)) + s * b
+    n = add(add(scale(t1, a), scale(t2, b)), scale(v, math.sqrt(max(0.0, 1.0 - a * a - b * b))))
+    return normalize((alpha * n[0], alpha * n[1], max(0.0, n[2])))
+
+
+@njit
+def sample(p, wo, u):
+    """The base with its share of the reflectance, else a visible facet that mirrors wo."""
+    if wo[2] <= 0.0:
+        return (0.0, 0.0, 0.0)
+    if u[2] < _base_share(p, wo):
+        return cosine_hemisphere(u[0], u[1])
+    return reflect(wo, _visible_normal(_alpha(p), wo, u[0], u[1]))
+
+
+@njit
+def pdf(p, wi, wo):
+    """Base: cos θ_i / π. Facets: D · G1(wo) / (4 cos θ_o), the Jacobian 1 / (4 wo·h) included."""
+    if wi[2] <= 0.0 or wo[2] <= 0.0:
+        return 0.0
+    base = _base_share(p, wo)
+    alpha = _alpha(p)
+    h = normalize(add(wi, wo))
+    facets = 0.5 * _distribution(alpha, h) / (wo[2] + _stretched(alpha, wo[2]))
+    return base * wi[2] / math.pi + (1.0 - base) * facets
