@@ -1,0 +1,61 @@
+# make serve   the service and the page      SCENE=path/to/scene PORT=8000
+# make test    everything CI runs
+# make bench   timings of this machine
+# make chart   speed against accuracy        SCENE=..., into out/chart
+# make clean   remove the environment and everything built
+
+PYTHON ?= python3
+SCENE ?= cornell-box
+PORT ?= 8000
+
+BIN := .venv/bin
+GL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri
+
+.PHONY: serve test lint types pytest bench chart clean
+
+serve: .venv/.run
+	@.ci/system-packages $(GL_PACKAGES) || echo "going on without OpenGL, on the CPU" >&2
+	$(BIN)/relight serve "$(SCENE)" --port $(PORT)
+
+test: lint types pytest
+
+lint: .venv/.test
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+
+types: .venv/.test
+	$(BIN)/mypy
+
+pytest: .venv/.test
+	@.ci/system-packages $(GL_PACKAGES) chromium
+	$(BIN)/pytest
+
+bench: .venv/.run
+	$(BIN)/relight bench
+
+chart: .venv/.chart
+	$(BIN)/relight chart "$(SCENE)" --method direct_to_indirect --out out/chart
+
+clean:
+	rm -rf .venv dist build out .pytest_cache .mypy_cache .ruff_cache
+	find engine server tests -name __pycache__ -prune -exec rm -rf {} +
+
+# The environment, and stamps in it for what it holds.
+.venv/bin/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "relight needs Python 3.11 or newer; this is `$(PYTHON) --version` (make PYTHON=...)" >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || .ci/system-packages \
+	  `$(PYTHON) -c 'import sys; print("python%d.%d-venv" % sys.version_info[:2])'`
+	$(PYTHON) -m venv .venv
+
+.venv/.run: .venv/bin/python pyproject.toml
+	$(BIN)/pip install -q -e .
+	@touch $@
+
+.venv/.chart: .venv/.run
+	$(BIN)/pip install -q -e '.[chart]'
+	@touch $@
+
+.venv/.test: .venv/.chart
+	$(BIN)/pip install -q -e '.[test]'
+	@touch $@
