@@ -19,7 +19,7 @@ for x on the light. Shadows are the caller's business.
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,3 +43,11 @@ class Light(Description):
     def row(self) -> NDArray[np.float32]:
         """(ROW,) float32 parameters for the kernels."""
         raise NotImplementedError
+
+
+def unit(vector: NDArray[Any], problem: str = "a direction is zero") -> NDArray[np.float64]:
+    """vector (3,) at unit length; ValueError, saying `problem`, where it has none."""
+    length = float(np.linalg.norm(vector))
+    if length < 1e-9:
+        raise ValueError(problem)
+    return np.asarray(vector, np.float64) / length

@@ -4,21 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from types import ModuleType
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
-from engine.light import point
+from engine.light import area, distant, point, spot
+from engine.light.area import AreaLight
 from engine.light.base import ROW, Light
+from engine.light.distant import DistantLight
 from engine.light.point import PointLight
+from engine.light.spot import SpotLight
 from engine.numerics.dispatch import by_index
 
 LIGHTS: dict[type[Light], ModuleType] = {
     PointLight: point,
+    SpotLight: spot,
+    AreaLight: area,
+    DistantLight: distant,
 }
 
-AnyLight = PointLight  # the union of all descriptions, discriminated by `type`
+AnyLight = Annotated[PointLight | SpotLight | AreaLight | DistantLight, Field(discriminator="type")]
 
 INDEX = {description: index for index, description in enumerate(LIGHTS)}
 

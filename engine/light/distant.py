@@ -1,0 +1,62 @@
+"""Parallel light from infinity, such as the sun; `intensity` is irradiance, W·m⁻².
+
+It is the irradiance of a surface that faces the light; one that is turned away by θ gets cos θ of
+it. The sun's disk has no extent here.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from engine.light.base import DIRECTION, INTENSITY, ROW, Light, unit
+from engine.numerics.description import Point
+
+
+class DistantLight(Light):
+    """A directional light."""
+
+    type: Literal["distant"] = "distant"
+    direction: Annotated[Point, Field(description="where the light travels, of any length")]
+
+    @model_validator(mode="after")
+    def _has_direction(self) -> DistantLight:
+        unit(np.asarray(self.direction), "direction is zero")
+        return self
+
+    def row(self) -> NDArray[np.float32]:
+        """See `Light.row`."""
+        row = np.zeros(ROW, np.float32)
+        row[DIRECTION : DIRECTION + 3] = unit(np.asarray(self.direction))
+        row[INTENSITY : INTENSITY + 3] = self.intensity
+        return row
+
+
+@njit
+def illuminate(p, x, u1, u2):
+    """The irradiance, from everywhere the same."""
+    return (
+        -float(p[3]),
+        -float(p[4]),
+        -float(p[5]),
+        1e30,
+        float(p[6]),
+        float(p[7]),
+        float(p[8]),
+    )
+
+
+@njit
+def pdf(p, x, w):
+    """No extent."""
+    return 0.0
+
+
+@njit
+def emitted(p, o, d):
+    """No extent."""
+    return (-1.0, 0.0, 0.0, 0.0)

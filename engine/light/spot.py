@@ -1,0 +1,90 @@
+"""A point that shines into a cone; `intensity` is radiant intensity on the axis, W·sr⁻¹.
+
+The intensity is constant in the inner cone and falls to 0 at the rim of the outer one. With
+c = cos θ the falloff is the smoothstep 3s² - 2s³ of s = (c - c_outer) / (c_inner - c_outer), whose
+mean is one half, so the lamp emits 2π I (1 - (c_inner + c_outer) / 2) watts.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from engine.light.base import DIRECTION, EXTRA, INTENSITY, POSITION, ROW, Light, unit
+from engine.numerics.description import Point
+
+
+class SpotLight(Light):
+    """A spot light without extent."""
+
+    type: Literal["spot"] = "spot"
+    position: Point
+    target: Annotated[Point, Field(description="where the axis of the cone points")]
+    cone_degrees: Annotated[
+        float, Field(ge=0.1, le=90, description="from the axis to the rim of the outer cone")
+    ] = 30.0
+    penumbra_degrees: Annotated[
+        float, Field(ge=0, le=90, description="from the rim inwards, where the light falls off")
+    ] = 10.0
+
+    @model_validator(mode="after")
+    def _is_a_cone(self) -> SpotLight:
+        unit(np.subtract(self.target, self.position), "position and target are the same point")
+        if self.penumbra_degrees > self.cone_degrees:
+            raise ValueError(
+                f"penumbra_degrees {self.penumbra_degrees:g} is more than cone_degrees "
+                f"{self.cone_degrees:g}"
+            )
+        return self
+
+    def row(self) -> NDArray[np.float32]:
+        """See `Light.row`; then 1 - cos of the outer and of the inner cone."""
+        outer = math.radians(self.cone_degrees)
+        inner = outer - math.radians(self.penumbra_degrees)
+        row = np.zeros(ROW, np.float32)
+        row[POSITION : POSITION + 3] = self.position
+        row[DIRECTION : DIRECTION + 3] = unit(np.subtract(self.target, self.position))
+        row[INTENSITY : INTENSITY + 3] = self.intensity
+        # 1 - cos keeps its digits where the cone is narrow.
+        row[EXTRA : EXTRA + 2] = 2 * math.sin(outer / 2) ** 2, 2 * math.sin(inner / 2) ** 2
+        return row
+
+
+@njit
+def illuminate(p, x, u1, u2):
+    """I · falloff / r²."""
+    dx, dy, dz = p[0] - x[0], p[1] - x[1], p[2] - x[2]
+    r2 = dx * dx + dy * dy + dz * dz
+    if r2 < 1e-20:
+        return (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
+    r = math.sqrt(r2)
+    wx, wy, wz = dx / r, dy / r, dz / r
+    # 1 - cos of the angle to the axis is half the squared distance between the unit vectors.
+    ax, ay, az = p[3] + wx, p[4] + wy, p[5] + wz
+    versine = 0.5 * (ax * ax + ay * ay + az * az)
+    outer, inner = float(p[9]), float(p[10])
+    falloff = 0.0
+    if versine <= inner:
+        falloff = 1.0
+    elif versine < outer:
+        s = (outer - versine) / (outer - inner)
+        falloff = s * s * (3.0 - 2.0 * s)
+    k = falloff / r2
+    return (wx, wy, wz, r, p[6] * k, p[7] * k, p[8] * k)
+
+
+@njit
+def pdf(p, x, w):
+    """No extent."""
+    return 0.0
+
+
+@njit
+def emitted(p, o, d):
+    """No extent."""
+    return (-1.0, 0.0, 0.0, 0.0)
