@@ -1,0 +1,15 @@
+"""The scenes that come with Relight: one file each, one line in BUILTIN.
+
+Each is written in the vocabulary of scene files, so that it is also an example of one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from engine.scene.builtin import cornell_box
+
+BUILTIN: dict[str, tuple[str, Callable[[], dict[str, Any]]]] = {
+    "cornell-box": (cornell_box.SUMMARY, cornell_box.document),
+}

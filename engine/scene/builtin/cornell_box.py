@@ -1,0 +1,80 @@
+"""The Cornell box: Cornell University Program of Computer Graphics, *Cornell Box Data*.
+
+Geometry and camera are the published measurements, millimetres here made metres; the box is not
+quite square, and its coordinates put the red wall at large x, to the left of a camera that looks
+along +z. The reflectances are the published spectra (400-700 nm) seen under CIE D65 by the CIE 1931
+observer, in linear sRGB. The lights are ours: the published lamp is an area of the ceiling, kept
+here a little below it, in a milder orange than the measured spectrum; `key` is a spot to drag.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+SUMMARY = "the Cornell box as published: red and green walls, two white blocks, a ceiling lamp"
+
+WHITE = (0.738, 0.736, 0.739)
+RED = (0.493, 0.049, 0.051)
+GREEN = (0.069, 0.399, 0.087)
+
+FLOOR = [(552.8, 0, 0), (0, 0, 0), (0, 0, 559.2), (549.6, 0, 559.2)]
+CEILING = [(556, 548.8, 0), (556, 548.8, 559.2), (0, 548.8, 559.2), (0, 548.8, 0)]
+BACK = [(549.6, 0, 559.2), (0, 0, 559.2), (0, 548.8, 559.2), (556, 548.8, 559.2)]
+RIGHT = [(0, 0, 559.2), (0, 0, 0), (0, 548.8, 0), (0, 548.8, 559.2)]
+LEFT = [(552.8, 0, 0), (549.6, 0, 559.2), (556, 548.8, 559.2), (556, 548.8, 0)]
+# The tops of the blocks, which stand on the floor.
+SHORT = [(130, 165, 65), (82, 165, 225), (240, 165, 272), (290, 165, 114)]
+TALL = [(423, 330, 247), (265, 330, 296), (314, 330, 456), (472, 330, 406)]
+LAMP_CENTRE, LAMP_SIZE = (278.0, 548.8, 279.5), (130.0, 105.0)
+
+Corner = tuple[float, float, float]
+
+
+def document() -> dict[str, Any]:
+    """The scene description."""
+    return {
+        "name": "cornell-box",
+        "camera": {
+            "position": _metres((278, 273, -800)),
+            "target": _metres((278, 273, 0)),
+            # A 35 mm lens over 25 mm of film.
+            "fov_y_degrees": math.degrees(2 * math.atan(0.025 / 2 / 0.035)),
+            "width": 512,
+            "height": 512,
+        },
+        "lights": [
+            {"id": "key", "type": "point", "position": [0.2, 0.45, 0.1], "intensity": [0.2] * 3},
+        ],
+        "materials": {
+            "white": {"type": "diffuse", "diffuse": WHITE},
+            "red": {"type": "diffuse", "diffuse": RED},
+            "green": {"type": "diffuse", "diffuse": GREEN},
+        },
+        "objects": [
+            _object("floor", "white", [FLOOR]),
+            _object("ceiling", "white", [CEILING]),
+            _object("back wall", "white", [BACK]),
+            _object("right wall", "green", [RIGHT]),
+            _object("left wall", "red", [LEFT]),
+            _object("short block", "white", _block(SHORT)),
+            _object("tall block", "white", _block(TALL)),
+        ],
+    }
+
+
+def _metres(point: Corner) -> Corner:
+    return (point[0] / 1000, point[1] / 1000, point[2] / 1000)
+
+
+def _block(top: list[Corner]) -> list[list[Corner]]:
+    """The top and the four sides of a block on the floor."""
+    sides = []
+    for (ax, ay, az), (bx, by, bz) in zip(top, top[1:] + top[:1], strict=True):
+        sides.append([(bx, by, bz), (ax, ay, az), (ax, 0.0, az), (bx, 0.0, bz)])
+    return [top, *sides]
+
+
+def _object(name: str, material: str, polygons: list[list[Corner]]) -> dict[str, Any]:
+    mesh = {"shape": "polygons", "polygons": [[_metres(c) for c in p] for p in polygons]}
+    return {"name": name, "material": material, "mesh": mesh}

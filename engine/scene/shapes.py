@@ -1,0 +1,223 @@
+"""Shapes that a scene description can ask for by name instead of a mesh file.
+
+Every shape is closed or flat, counter-clockwise seen from outside, and brings its own shading
+normals and texture coordinates (origin at the lower left).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from engine.numerics.description import Description, Finite, Point
+from engine.scene.part import Part
+
+Size = Annotated[float, Field(gt=0, le=1e6)]
+Polygon = Annotated[list[Point], Field(min_length=3, max_length=64)]
+
+
+class Rectangle(Description):
+    """In the x-y plane around the origin, facing +z; corners of the texture at its corners."""
+
+    shape: Literal["rectangle"]
+    size: tuple[Size, Size] = (1.0, 1.0)
+
+
+class Box(Description):
+    """Around the origin, faces across the axes, each with the whole texture."""
+
+    shape: Literal["box"]
+    size: tuple[Size, Size, Size] = (1.0, 1.0, 1.0)
+
+
+class Sphere(Description):
+    """Around the origin; poles at ±y; `rings` bands from pole to pole, twice as many around."""
+
+    shape: Literal["sphere"]
+    radius: Size = 0.5
+    rings: Annotated[int, Field(ge=3, le=512)] = 24
+
+
+class Disk(Description):
+    """In the x-y plane around the origin, facing +z."""
+
+    shape: Literal["disk"]
+    radius: Size = 0.5
+    sides: Annotated[int, Field(ge=3, le=1024)] = 48
+
+
+class Cylinder(Description):
+    """Around the y axis and the origin, closed by caps; a `top_radius` makes it a truncated cone."""
+
+    shape: Literal["cylinder"]
+    radius: Size = 0.5
+    top_radius: Size | None = None
+    height: Size = 1.0
+    sides: Annotated[int, Field(ge=3, le=1024)] = 48
+
+
+class Polygons(Description):
+    """Flat convex polygons given by their corners, counter-clockwise seen from the front.
+
+    They are shaded flat, and their texture coordinates are the corners' own order: the first
+    corner at (0, 0), the second at (1, 0), the third at (1, 1), the fourth at (0, 1).
+    """
+
+    shape: Literal["polygons"]
+    polygons: Annotated[list[Polygon], Field(min_length=1, max_length=10_000)]
+
+    @model_validator(mode="after")
+    def _have_area(self) -> Polygons:
+        for index, polygon in enumerate(self.polygons):
+            if np.linalg.norm(_area_vector(np.array(polygon))) == 0:
+                raise ValueError(f"polygon {index} has no area: its corners lie on one line")
+        return self
+
+
+AnyShape = Annotated[
+    Rectangle | Box | Sphere | Disk | Cylinder | Polygons, Field(discriminator="shape")
+]
+
+
+def make(shape: Any) -> Part:
+    """The triangles of a shape."""
+    return _MAKERS[type(shape)](shape)
+
+
+def _area_vector(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Newell's sum: along the polygon's normal, as long as its area; corners (n, 3)."""
+    area: NDArray[np.float64] = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0) / 2
+    return area
+
+
+def _rectangle(shape: Rectangle) -> Part:
+    uv = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
+    positions = np.zeros((4, 3))
+    positions[:, :2] = (uv - 0.5) * shape.size
+    return Part(positions, np.array([[0, 1, 2], [0, 2, 3]]), np.tile([0.0, 0, 1], (4, 1)), uv)
+
+
+def _box(shape: Box) -> Part:
+    front = _rectangle(Rectangle(shape="rectangle"))
+    # The axes (right, up, outward) of the six faces, seen from outside.
+    faces = np.array(
+        [
+            [[0, 0, -1], [0, 1, 0], [1, 0, 0]],
+            [[0, 0, 1], [0, 1, 0], [-1, 0, 0]],
+            [[1, 0, 0], [0, 0, -1], [0, 1, 0]],
+            [[1, 0, 0], [0, 0, 1], [0, -1, 0]],
+            [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+            [[-1, 0, 0], [0, 1, 0], [0, 0, -1]],
+        ],
+        float,
+    )
+    outward = front.positions + [0, 0, 0.5]
+    positions = np.concatenate([outward @ face for face in faces]) * shape.size
+    triangles = np.concatenate([front.triangles + 4 * k for k in range(6)])
+    return Part(positions, triangles, np.repeat(faces[:, 2], 4, axis=0), np.tile(front.uvs, (6, 1)))
+
+
+def _grid_triangles(rows: int, columns: int) -> NDArray[np.int64]:
+    """Triangles of a grid of (rows + 1) x (columns + 1) vertices, row by row from the bottom."""
+    i, j = np.mgrid[0:rows, 0:columns].reshape(2, -1)
+    a = i * (columns + 1) + j
+    b, c, d = a + 1, a + columns + 2, a + columns + 1
+    return np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+
+
+def _sphere(shape: Sphere) -> Part:
+    rings, around = shape.rings, 2 * shape.rings
+    v, u = np.mgrid[0 : rings + 1, 0 : around + 1].reshape(2, -1) / np.array([[rings], [around]])
+    theta, phi = np.pi * v, 2 * np.pi * u
+    normals = np.stack(
+        [np.sin(theta) * np.sin(phi), -np.cos(theta), np.sin(theta) * np.cos(phi)], axis=1
+    )
+    triangles = _grid_triangles(rings, around)
+    # At the poles one of each quadrilateral's two triangles has no area.
+    row = triangles // (around + 1)
+    degenerate = (np.sum(row == 0, 1) == 2) & (np.max(row, 1) == 1)
+    degenerate |= (np.sum(row == rings, 1) == 2) & (np.min(row, 1) == rings - 1)
+    return Part(shape.radius * normals, triangles[~degenerate], normals, np.stack([u, v], 1))
+
+
+def _fan(radius: float, sides: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """A regular polygon around the origin in the x-y plane, (n + 1, 2), and its triangles."""
+    angle = 2 * np.pi * np.arange(sides) / sides
+    rim = np.stack([np.cos(angle), np.sin(angle)], axis=1) * radius
+    k = np.arange(sides)
+    triangles = np.stack([np.zeros(sides, np.int64), 1 + k, 1 + (k + 1) % sides], axis=1)
+    return np.concatenate([[[0.0, 0.0]], rim]), triangles
+
+
+def _disk(shape: Disk) -> Part:
+    flat, triangles = _fan(shape.radius, shape.sides)
+    positions = np.zeros((len(flat), 3))
+    positions[:, :2] = flat
+    return Part(
+        positions,
+        triangles,
+        np.tile([0.0, 0, 1], (len(flat), 1)),
+        0.5 + flat / (2 * shape.radius),
+    )
+
+
+def _cylinder(shape: Cylinder) -> Part:
+    low, high = shape.radius, shape.radius if shape.top_radius is None else shape.top_radius
+    v, u = np.mgrid[0:2, 0 : shape.sides + 1].reshape(2, -1) / np.array([[1], [shape.sides]])
+    phi, radius = 2 * np.pi * u, low + (high - low) * v
+    side = np.stack([radius * np.sin(phi), shape.height * (v - 0.5), radius * np.cos(phi)], axis=1)
+    lean = np.full(len(u), (low - high) / shape.height)
+    normals = np.stack([np.sin(phi), lean, np.cos(phi)], axis=1)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    parts = [Part(side, _grid_triangles(1, shape.sides), normals, np.stack([u, v], 1))]
+    for r, sign in ((low, -1.0), (high, 1.0)):
+        flat, triangles = _fan(r, shape.sides)
+        cap = np.stack(
+            [flat[:, 0], np.full(len(flat), sign * shape.height / 2), -sign * flat[:, 1]], axis=1
+        )
+        normal = np.tile([0.0, sign, 0], (len(flat), 1))
+        parts.append(Part(cap, triangles, normal, 0.5 + flat / (2 * r)))
+    return _joined(parts)
+
+
+def _polygons(shape: Polygons) -> Part:
+    parts = []
+    for polygon in shape.polygons:
+        corners = np.array(polygon, float)
+        normal = _area_vector(corners)
+        k = np.arange(1, len(corners) - 1)
+        uv = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
+        uvs = uv if len(corners) == 4 else np.resize(uv, (len(corners), 2))
+        parts.append(
+            Part(
+                corners,
+                np.stack([np.zeros_like(k), k, k + 1], axis=1),
+                np.tile(normal / np.linalg.norm(normal), (len(corners), 1)),
+                uvs,
+            )
+        )
+    return _joined(parts)
+
+
+def _joined(parts: list[Part]) -> Part:
+    starts = np.cumsum([0] + [len(part.positions) for part in parts[:-1]])
+    return Part(
+        np.concatenate([part.positions for part in parts]),
+        np.concatenate([part.triangles + start for part, start in zip(parts, starts, strict=True)]),
+        np.concatenate([part.normals for part in parts if part.normals is not None]),
+        np.concatenate([part.uvs for part in parts if part.uvs is not None]),
+    )
+
+
+_MAKERS: dict[type, Callable[[Any], Part]] = {
+    Rectangle: _rectangle,
+    Box: _box,
+    Sphere: _sphere,
+    Disk: _disk,
+    Cylinder: _cylinder,
+    Polygons: _polygons,
+}
