@@ -1,0 +1,83 @@
+"""The BRDF contract over arrays: what tests, charts and loaders call; integrators call `table`."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from engine.brdf import table
+from engine.brdf.base import ROW
+from engine.numerics.parallel import for_ranges
+from engine.numerics.vec import vec
+
+
+def evaluate(
+    model: ArrayLike, rows: ArrayLike, wi: ArrayLike, wo: ArrayLike
+) -> NDArray[np.float64]:
+    """BRDF in sr⁻¹, without the cosine: (n, 3).
+
+    model () or (n,) index into MODELS; rows (16,) or (n, 16); wi, wo (3,) or (n, 3), unit length,
+    local (z the normal), leaving the surface. Lengths of one are repeated.
+    """
+    models, parameters, a, b = broadcast(model, rows, wi, wo)
+    out = np.zeros((len(models), 3))
+    for_ranges(_evaluate, len(models), models, parameters, a, b, out)
+    return out
+
+
+def sample(model: ArrayLike, rows: ArrayLike, wo: ArrayLike, u: ArrayLike) -> NDArray[np.float64]:
+    """Incident directions (n, 3) with density `pdf`; z ≤ 0 where the light is lost.
+
+    wo as for `evaluate`; u (3,) or (n, 3) in [0, 1).
+    """
+    models, parameters, a, b = broadcast(model, rows, wo, u)
+    out = np.zeros((len(models), 3))
+    for_ranges(_sample, len(models), models, parameters, a, b, out)
+    return out
+
+
+def pdf(model: ArrayLike, rows: ArrayLike, wi: ArrayLike, wo: ArrayLike) -> NDArray[np.float64]:
+    """Density of `sample` over solid angle, sr⁻¹: (n,); arguments as for `evaluate`."""
+    models, parameters, a, b = broadcast(model, rows, wi, wo)
+    out = np.zeros(len(models))
+    for_ranges(_pdf, len(models), models, parameters, a, b, out)
+    return out
+
+
+def broadcast(
+    model: ArrayLike, rows: ArrayLike, a: ArrayLike, b: ArrayLike
+) -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.float64], NDArray[np.float64]]:
+    """Contiguous (n,), (n, 16), (n, 3), (n, 3); ValueError where the lengths do not fit."""
+    models = np.atleast_1d(np.asarray(model, np.int32))
+    parameters = np.atleast_2d(np.asarray(rows, np.float32))
+    first = np.atleast_2d(np.asarray(a, np.float64))
+    second = np.atleast_2d(np.asarray(b, np.float64))
+    last = len(table.MODELS) - 1
+    if models.size and not 0 <= models.min() <= models.max() <= last:
+        raise ValueError(f"a model index lies outside 0 to {last}")
+    n = np.broadcast_shapes(models.shape, *[(len(x),) for x in (parameters, first, second)])[0]
+    return (
+        np.ascontiguousarray(np.broadcast_to(models, n)),
+        np.ascontiguousarray(np.broadcast_to(parameters, (n, ROW))),
+        np.ascontiguousarray(np.broadcast_to(first, (n, 3))),
+        np.ascontiguousarray(np.broadcast_to(second, (n, 3))),
+    )
+
+
+@njit(cache=True, nogil=True)
+def _evaluate(start, stop, models, rows, wi, wo, out):
+    for i in range(start, stop):
+        out[i, 0], out[i, 1], out[i, 2] = table.evaluate(models[i], rows[i], vec(wi, i), vec(wo, i))
+
+
+@njit(cache=True, nogil=True)
+def _sample(start, stop, models, rows, wo, u, out):
+    for i in range(start, stop):
+        out[i, 0], out[i, 1], out[i, 2] = table.sample(models[i], rows[i], vec(wo, i), vec(u, i))
+
+
+@njit(cache=True, nogil=True)
+def _pdf(start, stop, models, rows, wi, wo, out):
+    for i in range(start, stop):
+        out[i] = table.pdf(models[i], rows[i], vec(wi, i), vec(wo, i))
