@@ -26,7 +26,8 @@ LEFT = [(552.8, 0, 0), (549.6, 0, 559.2), (556, 548.8, 559.2), (556, 548.8, 0)]
 # The tops of the blocks, which stand on the floor.
 SHORT = [(130, 165, 65), (82, 165, 225), (240, 165, 272), (290, 165, 114)]
 TALL = [(423, 330, 247), (265, 330, 296), (314, 330, 456), (472, 330, 406)]
-LAMP_CENTRE, LAMP_SIZE = (278.0, 548.8, 279.5), (130.0, 105.0)
+# Half a millimetre below the ceiling, so that no rounding puts it on the wrong side.
+LAMP_CENTRE, LAMP_SIZE = (278.0, 548.3, 279.5), (130.0, 105.0)
 
 Corner = tuple[float, float, float]
 
@@ -44,7 +45,25 @@ def document() -> dict[str, Any]:
             "height": 512,
         },
         "lights": [
-            {"id": "key", "type": "point", "position": [0.2, 0.45, 0.1], "intensity": [0.2] * 3},
+            {
+                "id": "ceiling",
+                "type": "area",
+                "position": _metres(LAMP_CENTRE),
+                "target": _metres((LAMP_CENTRE[0], 0, LAMP_CENTRE[2])),
+                "up": (0, 0, 1),
+                "width": LAMP_SIZE[0] / 1000,
+                "height": LAMP_SIZE[1] / 1000,
+                "intensity": (15, 11.5, 7.5),
+            },
+            {
+                "id": "key",
+                "type": "spot",
+                "position": _metres((450, 500, 60)),
+                "target": _metres((370, 0, 150)),
+                "cone_degrees": 18,
+                "penumbra_degrees": 8,
+                "intensity": (0.16, 0.16, 0.17),
+            },
         ],
         "materials": {
             "white": {"type": "diffuse", "diffuse": WHITE},
