@@ -7,7 +7,6 @@ that the sampler follows, costs the same for all, and is the same on every call.
 
 from __future__ import annotations
 
-
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
