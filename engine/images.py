@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from engine.errors import InputError, SceneError
-from engine.numerics.display import from_srgb, to_srgb8
+from engine.numerics.display import linear_from_srgb, to_srgb8
 
-_LINEAR = from_srgb(np.arange(256) / 255)
+_LINEAR = linear_from_srgb(np.arange(256) / 255).astype(np.float32)
 _FORMATS = {".exr": "exr", ".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".webp": "webp"}
 
 
@@ -51,12 +51,11 @@ def write_image(
     if kind is None:
         known = ", ".join(_FORMATS)
         raise InputError(f"the name of an image must end in one of {known}", file=str(path))
-    if kind == "exr":
-        data = encode_exr(image, half)
-    else:
-        data = encode(to_srgb8(image, exposure), kind, 95)
     try:
-        path.write_bytes(data)
+        if kind == "exr":
+            path.write_bytes(encode_exr(image, half))
+        else:
+            path.write_bytes(encode(to_srgb8(image, exposure), kind, 95))
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror}", file=str(path)) from None
 

@@ -9,27 +9,29 @@ from numpy.typing import ArrayLike, NDArray
 from engine.numerics.parallel import for_ranges
 
 
-def to_srgb(image: ArrayLike, exposure: float = 0.0) -> NDArray[np.float32]:
-    """sRGB signal in [0, 1] of linear radiance, any shape; exposure in stops, 1 doubles it.
+def srgb_from_linear(linear: ArrayLike) -> NDArray[np.float64]:
+    """sRGB signal in [0, 1] of linear light, any shape.
 
-    What is negative or not a number becomes black, what is too bright white.
+    What is negative or not a number becomes black, what is above 1 white.
     """
-    x = np.asarray(image, np.float32) * np.float32(2.0**exposure)
-    x = np.clip(np.nan_to_num(x, nan=0.0), 0, 1)
-    return np.where(
-        x <= 0.0031308, np.float32(12.92) * x, np.float32(1.055) * x ** (1 / 2.4) - 0.055
-    ).astype(np.float32)
+    x = np.clip(np.nan_to_num(np.asarray(linear, np.float64), nan=0.0), 0, 1)
+    return np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
 
 
-def from_srgb(signal: ArrayLike) -> NDArray[np.float32]:
+def linear_from_srgb(signal: ArrayLike) -> NDArray[np.float64]:
     """Linear light of an sRGB signal in [0, 1], any shape."""
     x = np.asarray(signal, np.float64)
-    return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4).astype(np.float32)
+    return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
+
+
+def to_srgb(image: NDArray[np.float32], exposure: float = 0.0) -> NDArray[np.float64]:
+    """Signal in [0, 1] for a screen, in the shape of `image`; exposure in stops, 1 doubles."""
+    return srgb_from_linear(np.asarray(image, np.float64) * 2.0**exposure)
 
 
 # The curve is steepest at 0, where one of these steps is a twentieth of an 8-bit step.
 _STEPS = 65535
-_BYTES = np.round(255 * to_srgb(np.arange(_STEPS + 1) / _STEPS)).astype(np.uint8)
+_BYTES = np.round(255 * srgb_from_linear(np.arange(_STEPS + 1) / _STEPS)).astype(np.uint8)
 
 
 def to_srgb8(image: NDArray[np.float32], exposure: float = 0.0) -> NDArray[np.uint8]:
