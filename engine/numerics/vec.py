@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from numba import njit
 
 Vec = tuple[float, float, float]
@@ -14,8 +15,11 @@ Vec = tuple[float, float, float]
 
 @njit
 def vec(a, i):
-    """Row `i` of an (n, 3) array as a tuple of Python floats (float64 inside the kernel)."""
-    return (float(a[i, 0]), float(a[i, 1]), float(a[i, 2]))
+    """Row `i` of an (n, 3) array as a tuple of float64.
+
+    Numba's `float` leaves a float32 as it is, hence the explicit type.
+    """
+    return (np.float64(a[i, 0]), np.float64(a[i, 1]), np.float64(a[i, 2]))
 
 
 @njit
