@@ -1,8 +1,9 @@
 """Light from infinity: a latitude-longitude map around the scene, importance-sampled.
 
-Row 0 of the map looks up (+y); column 0 looks along -z, and columns run so that the map, seen from
-inside, reads from left to right: u = 1/2 + atan2(x, -z) / 2π for direction (x, y, z). The rotation
-turns the map counter-clockwise about +y as seen from above.
+Row 0 of the map looks up (+y), its middle column along -z, and columns run so that the map, seen
+from inside, reads from left to right: u = 1/2 + atan2(x, -z) / 2π for direction (x, y, z). The
+rotation turns the map counter-clockwise about +y as seen from above: by 90 degrees, and what stood
+at -z stands at -x.
 """
 
 from __future__ import annotations
@@ -23,7 +24,10 @@ from engine.numerics.description import Description, Finite, NonNegative, Radian
 class EnvironmentDescription(Description):
     """`map` is a file, the name of a built-in map, or a constant radiance."""
 
-    map: str | Radiance = (1.0, 1.0, 1.0)
+    map: Annotated[
+        str | Radiance,
+        Field(description="a file (.exr, .hdr, .png, .jpg), 'studio', or a radiance"),
+    ] = (1.0, 1.0, 1.0)
     rotation_degrees: Finite = 0.0
     intensity: Annotated[NonNegative, Field(description="factor on the map's radiance")] = 1.0
 

@@ -1,0 +1,86 @@
+"""Where environments come from: files, maps made in code, a constant."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.errors import SceneError
+from engine.images import read_image
+from engine.light.environment import Environment, EnvironmentDescription
+
+
+def load_environment(description: EnvironmentDescription, folder: Path) -> Environment:
+    """The environment of a description; file names are relative to `folder`.
+
+    Raises SceneError, naming the file, where the map is missing, damaged, not twice as wide as
+    high, or holds NaN or infinity. Negative values, which lossy EXR compression leaves near sharp
+    lamps, become 0.
+    """
+    if not isinstance(description.map, str):
+        return Environment(description, np.full((1, 1, 3), description.map, np.float32))
+    if description.map in BUILT_IN:
+        return Environment(description, BUILT_IN[description.map]())
+    path = folder / description.map
+    if not path.is_file():
+        raise SceneError(
+            f"there is no such file, and built-in maps are: {', '.join(BUILT_IN)}",
+            field="environment.map",
+            file=description.map,
+        )
+    return Environment(description, _checked(read_image(path), path))
+
+
+def _checked(image: NDArray[np.float32], path: Path) -> NDArray[np.float32]:
+    height, width = image.shape[:2]
+    if abs(width - 2 * height) > 0.1 * width:
+        raise SceneError(
+            f"a latitude-longitude map is twice as wide as high, this is {width} x {height}",
+            field="environment.map",
+            file=str(path),
+        )
+    bad = ~np.isfinite(image).all(axis=2)
+    if bad.any():
+        row, column = np.argwhere(bad)[0]
+        raise SceneError(
+            f"{bad.sum()} pixels are NaN or infinite, the first at row {row}, column {column}",
+            field="environment.map",
+            file=str(path),
+        )
+    return np.maximum(image, 0)
+
+
+# Soft boxes of the studio: azimuth from -z towards +x, elevation, half width and half height in
+# degrees, radiance.
+_BOXES = (
+    (-55.0, 40.0, 24.0, 18.0, (9.0, 8.6, 8.0)),  # key, warm, from the left
+    (70.0, 20.0, 14.0, 32.0, (3.0, 3.3, 3.8)),  # fill, cool, from the right
+    (165.0, 48.0, 36.0, 7.0, (7.0, 7.0, 7.0)),  # strip behind, for rims
+)
+_EDGE_DEGREES = 3.0
+
+
+def studio() -> NDArray[np.float32]:
+    """Three soft boxes in a dark grey room, (128, 256, 3) float32."""
+    height, width = 128, 256
+    elevation = (90 - (np.arange(height) + 0.5) * 180 / height)[:, None]
+    azimuth = ((np.arange(width) + 0.5) * 360 / width - 180)[None, :]
+    # A floor a little darker than the ceiling tells up from down in reflections.
+    image = np.zeros((height, width, 3), np.float32)
+    image += (0.08 + 0.04 * np.sin(np.radians(elevation)))[:, :, None]
+    for along, above, half_width, half_height, radiance in _BOXES:
+        across = (azimuth - along + 180) % 360 - 180
+        # Columns crowd towards the poles; boxes keep their width.
+        dx = np.abs(across) * math.cos(math.radians(above)) - half_width
+        dy = np.abs(elevation - above) - half_height
+        inside = np.clip(0.5 - np.maximum(dx, dy) / _EDGE_DEGREES, 0, 1)
+        inside = inside * inside * (3 - 2 * inside)
+        image += inside[:, :, None] * np.asarray(radiance, np.float32)
+    return image
+
+
+BUILT_IN: dict[str, Callable[[], NDArray[np.float32]]] = {"studio": studio}
