@@ -1,1 +1,1 @@
-"""TODO."""
+"""The CPU backend: Numba kernels and Embree rays on all cores."""

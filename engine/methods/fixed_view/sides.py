@@ -1,0 +1,103 @@
+"""Which sides of which triangles light can travel from to the picture.
+
+Surfaces are two-sided, but the inside of a closed box needs no gather samples. Particles leave the
+view samples and bounce about like light; the sides they touch are *exposed*. A triangle that no
+particle found takes the verdict of the smooth piece of mesh that it belongs to. The same particles
+are the importance of §4.1 (Hašan et al. 2006) at its coarsest: yes or no.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from engine.methods.fixed_view.frame_buffer import Points
+from engine.numerics.frames import tangents, to_world
+from engine.numerics.parallel import for_ranges
+from engine.numerics.sampling import cosine_hemisphere, uniform
+from engine.numerics.vec import add, dot, scale, vec
+from engine.scene import surface
+from engine.scene.scene import Scene
+
+PARTICLES = 262144
+BOUNCES = 6
+# A piece of mesh counts as seen from behind where more than this part of its hits is from behind.
+BEHIND = 0.02
+
+
+def exposed_sides(scene: Scene, points: Points, seed: int) -> NDArray[np.bool_]:
+    """(t, 2) bool: front and back of every triangle."""
+    hits = np.zeros((len(scene.geometry.triangles), 2), np.int64)
+    start = np.flatnonzero(points.model >= 0)
+    if len(start) == 0:
+        return np.tile([True, False], (len(hits), 1))
+    chosen = start[np.linspace(0, len(start) - 1, PARTICLES).astype(np.intp)]
+    position, normal = points.position[chosen], points.geometric[chosen]
+
+    # Bounce: every hit is counted for its side and becomes the start of the next flight.
+    for bounce in range(BOUNCES):
+        n = len(position)
+        origin = np.zeros((n, 3), np.float32)
+        direction = np.zeros((n, 3), np.float32)
+        args = (position, normal, scene.rays.epsilon, seed + bounce, origin, direction)
+        for_ranges(_cosine_rays, n, *args)
+        found = scene.rays.intersect(origin, direction)
+        side = np.zeros(n, np.int8)
+        position, normal = np.zeros((n, 3), np.float32), np.zeros((n, 3), np.float32)
+        for_ranges(
+            _arrive, n, scene.geometry, found.triangle, found.b1, found.b2, direction, position,
+            normal, side,
+        )  # fmt: skip
+        alive = found.triangle >= 0
+        np.add.at(hits, (found.triangle[alive], side[alive]), 1)
+        position, normal = position[alive], normal[alive]
+
+    piece = smooth_pieces(scene)
+    of_piece = np.zeros((piece.max() + 1, 2), np.int64)
+    np.add.at(of_piece, piece, hits)
+    share = of_piece / np.maximum(of_piece.sum(axis=1, keepdims=True), 1)
+    verdict = share > BEHIND
+    verdict[of_piece.sum(axis=1) == 0] = (True, False)
+    return (hits > 0) | verdict[piece]
+
+
+def smooth_pieces(scene: Scene) -> NDArray[np.int32]:
+    """(t,) int32: triangles that share a vertex belong to one piece."""
+    triangles = scene.geometry.triangles
+    n = len(scene.geometry.positions)
+    a = np.concatenate([triangles[:, 0], triangles[:, 1]])
+    b = np.concatenate([triangles[:, 1], triangles[:, 2]])
+    graph = coo_array((np.ones(len(a), np.int8), (a, b)), shape=(n, n))
+    _, label = connected_components(graph, directed=False)
+    return label[triangles[:, 0]]
+
+
+@njit(cache=True, nogil=True)
+def _cosine_rays(start, stop, position, normal, epsilon, seed, origin, direction):
+    for i in range(start, stop):
+        n = vec(normal, i)
+        s, t = tangents(n)
+        w = to_world(cosine_hemisphere(uniform(seed, i, 0), uniform(seed, i, 1)), s, t, n)
+        o = add(vec(position, i), scale(n, epsilon))
+        for k in range(3):
+            origin[i, k] = o[k]
+            direction[i, k] = w[k]
+
+
+@njit(cache=True, nogil=True)
+def _arrive(start, stop, geometry, triangle, b1, b2, direction, position, normal, side):
+    for i in range(start, stop):
+        t = triangle[i]
+        if t < 0:
+            continue
+        p = surface.position(geometry, t, b1[i], b2[i])
+        g = surface.geometric_normal(geometry, t)
+        if dot(g, vec(direction, i)) > 0.0:
+            side[i] = 1
+            g = scale(g, -1.0)
+        for k in range(3):
+            position[i, k] = p[k]
+            normal[i, k] = g[k]
