@@ -1,0 +1,109 @@
+"""The app: routes, page, limits, errors."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Sequence
+
+from fastapi import FastAPI
+from fastapi.staticfiles import StaticFiles
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from engine.errors import RelightError
+from engine.resources import resource
+from server import problems
+from server.precompute import Task, run_in_process
+from server.routes import router
+from server.service import Precompute, Service
+from server.stage import METHOD, stages
+
+MAX_BODY = 1 << 20
+
+# The page needs nothing but itself: images come as blobs over the live socket.
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
+    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+
+
+def create_app(
+    scenes: Sequence[str] = (),
+    *,
+    precompute: Precompute = run_in_process,
+    precompute_at_start: bool = True,
+) -> FastAPI:
+    """The service for these scenes (built-in names or files) and all built-in ones.
+
+    precompute           fills the store with the product of a task
+    precompute_at_start  begin with the default scene before anybody asks
+    Raises SceneError where a name is neither a built-in scene nor a file.
+    """
+    service = Service(stages(scenes), precompute)
+
+    @contextlib.asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        start = asyncio.create_task(asyncio.to_thread(_start_default, service))
+        if not precompute_at_start:
+            start.cancel()
+        yield
+        await asyncio.gather(start, return_exceptions=True)
+        await asyncio.to_thread(service.close)
+
+    # The pages that show the API would come from another host; /openapi.json is enough.
+    app = FastAPI(title="Relight", lifespan=lifespan, docs_url=None, redoc_url=None)
+    app.state.service = service
+    problems.install(app)
+    app.include_router(router)
+    app.mount("/", StaticFiles(directory=resource("web"), html=True))
+    app.add_middleware(Limits)
+    return app
+
+
+def _start_default(service: Service) -> None:
+    """Begin the default scene's precompute; a scene that cannot be opened says so when asked."""
+    stage = service.stages.default
+    with contextlib.suppress(RelightError):
+        camera = stage.scene().camera
+        task = Task(scene=stage.name, source=stage.source, camera=camera, method=METHOD)
+        service.jobs.start(task, "start")
+        service.jobs.forget("start")
+
+
+class Limits:
+    """Refuse bodies over MAX_BODY bytes; send the page's security policy along."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """See the ASGI specification."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        error = problems.TooLarge(f"the body is over {MAX_BODY} bytes")
+        length = dict(scope["headers"]).get(b"content-length", b"0")
+        if not length.isdigit() or int(length) > MAX_BODY:
+            await problems.response(problems.describe(error))(scope, receive, send)
+            return
+        received = 0
+
+        async def counted() -> Message:
+            nonlocal received
+            message = await receive()
+            received += len(message.get("body", b""))
+            if received > MAX_BODY:
+                raise error
+            return message
+
+        async def with_policy(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                headers = message.setdefault("headers", [])
+                headers += [
+                    (b"content-security-policy", POLICY.encode()),
+                    (b"x-content-type-options", b"nosniff"),
+                    (b"referrer-policy", b"no-referrer"),
+                ]
+            await send(message)
+
+        await self.app(scope, counted, with_policy)

@@ -1,0 +1,60 @@
+"""Start the service: loopback only, one process."""
+
+from __future__ import annotations
+
+import socket
+import webbrowser
+from collections.abc import Sequence
+
+import uvicorn
+
+from engine.errors import RelightError
+from server.app import MAX_BODY, create_app
+
+TRIES = 20
+
+
+def serve(
+    scenes: Sequence[str] = (),
+    host: str = "127.0.0.1",
+    port: int = 8000,
+    *,
+    open_browser: bool = False,
+) -> None:
+    """Serve the scenes until interrupted; prints the address once it can be opened.
+
+    Where the port is taken the next free one is used; port 0 takes any. Raises RelightError where
+    none can be had, SceneError for a scene that is neither built in nor a file.
+    """
+    app = create_app(scenes)
+    listener = listen(host, port)
+    address = f"http://{host}:{listener.getsockname()[1]}/"
+    # Frames are compressed already, and an edit is small.
+    config = uvicorn.Config(
+        app,
+        log_level="warning",
+        ws_max_size=MAX_BODY,
+        ws_per_message_deflate=False,
+        timeout_graceful_shutdown=2,
+    )
+    print(f"Relight is at {address}  (Ctrl-C ends it)", flush=True)
+    if open_browser:
+        webbrowser.open(address)
+    uvicorn.Server(config).run(sockets=[listener])
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """A listening socket at the port, or at the first free one after it."""
+    error: OSError | None = None
+    for candidate in range(port, port + TRIES) if port else [0]:
+        listener = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            listener.bind((host, candidate))
+            listener.listen(128)
+        except OSError as problem:
+            listener.close()
+            error = problem
+            continue
+        return listener
+    raise RelightError(f"cannot listen on {host} from port {port} on: {error}")

@@ -1,0 +1,195 @@
+"""Precompute in a process of its own, so that frames stay quick and cancelling is certain.
+
+`python -m server.precompute` reads one `Task` as a line of JSON on its standard input and writes
+lines of JSON: {"phase", "done", "total"} as it goes, {"error": {...}} where it failed. What it made
+lies in the store afterwards, where the service finds it. It ends when its input closes, so it
+never outlives the service; it leads its own process group, so that its helpers end with it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import queue
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import IO, Any, cast
+
+from pydantic import BaseModel, ConfigDict
+
+import engine.errors
+from engine.errors import Cancelled, InputError, RelightError
+from engine.methods.base import Progress
+from engine.scene.camera import Camera
+
+NICENESS = 10
+POLL_SECONDS = 0.1
+
+
+class Task(BaseModel):
+    """What to precompute; `source` as `engine.scene.open.open_scene` takes it."""
+
+    model_config = ConfigDict(frozen=True)
+
+    scene: str
+    source: str
+    camera: Camera
+    method: str
+    settings: dict[str, Any] = {}
+
+    @property
+    def key(self) -> tuple[str, str, str]:
+        """Equal for two tasks that show the same view with the same method."""
+        return self.scene, self.camera.model_dump_json(), self.method
+
+
+def run_in_process(task: Task, progress: Progress) -> None:
+    """Precompute `task` into the store; what `progress` raises stops the process at once.
+
+    Raises the process's own error, or RelightError where it ended without a word.
+    """
+    process = subprocess.Popen(
+        [sys.executable, "-m", "server.precompute"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": _python_path()},
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stdin is not None
+    assert process.stdout is not None
+    lines: queue.Queue[str | None] = queue.Queue()
+    reader = threading.Thread(target=_forward, args=(process.stdout, lines), daemon=True)
+    reader.start()
+    try:
+        process.stdin.write(task.model_dump_json() + "\n")
+        process.stdin.flush()
+        _follow(lines, progress)
+        if process.wait() != 0:
+            raise RelightError(f"the precompute process ended with status {process.returncode}")
+    finally:
+        _end(process)
+        reader.join()
+        process.stdout.close()
+        with contextlib.suppress(BrokenPipeError):
+            process.stdin.close()
+
+
+def _python_path() -> str:
+    """The search path of this process with the folder of this package first."""
+    here = str(Path(__file__).resolve().parents[1])
+    return os.pathsep.join([here, *filter(None, [os.environ.get("PYTHONPATH")])])
+
+
+def _forward(stream: IO[str], lines: queue.Queue[str | None]) -> None:
+    for line in stream:
+        lines.put(line)
+    lines.put(None)
+
+
+def _follow(lines: queue.Queue[str | None], progress: Progress) -> None:
+    """Hand every report to `progress`, and call it in between so that it can stop the work."""
+    phase, done, total = "start", 0.0, 1.0
+    while True:
+        try:
+            line = lines.get(timeout=POLL_SECONDS)
+        except queue.Empty:
+            progress(phase, done, total)
+            continue
+        if line is None:
+            return
+        report = json.loads(line)
+        if "error" in report:
+            raise _as_error(report["error"])
+        phase, done, total = report["phase"], report["done"], report["total"]
+        progress(phase, done, total)
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """Kill the whole group, if any of it is left."""
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+
+
+def _as_error(report: dict[str, str]) -> RelightError:
+    kind = getattr(engine.errors, report["kind"], RelightError)
+    details = {name: report[name] for name in ("field", "file") if name in report}
+    return cast(RelightError, kind(report["message"], **details))
+
+
+def _as_report(error: RelightError) -> dict[str, str]:
+    if isinstance(error, InputError):
+        return {
+            "kind": type(error).__name__,
+            "message": error.message,
+            "field": error.field,
+            "file": error.file,
+        }
+    return {"kind": type(error).__name__, "message": str(error)}
+
+
+def _end_with_parent(stream: IO[str]) -> None:
+    """Wait for the end of the input, then end this process and its helpers."""
+    stream.read()
+    if os.getpgrp() == os.getpid():
+        os.killpg(0, signal.SIGKILL)
+    os._exit(1)
+
+
+def main() -> None:
+    """The process's body."""
+    # Whatever a library prints must not get between the reports.
+    reports, sys.stdout = sys.stdout, sys.stderr
+    os.nice(NICENESS)
+    task = Task.model_validate_json(sys.stdin.readline())
+    threading.Thread(target=_end_with_parent, args=(sys.stdin,), daemon=True).start()
+
+    def report(message: dict[str, Any]) -> None:
+        print(json.dumps(message), file=reports, flush=True)
+
+    def progress(phase: str, done: float, total: float) -> None:
+        report({"phase": phase, "done": done, "total": total})
+
+    from engine.methods import prepare
+    from engine.scene.open import open_scene
+
+    try:
+        progress("open scene", 0, 1)
+        scene = open_scene(task.source).with_camera(task.camera)
+        prepare(scene, task.method, settings_of(task.method, task.settings), progress)
+    except Cancelled:
+        pass
+    except RelightError as error:
+        report({"error": _as_report(error)})
+
+
+def settings_of(method: str, values: dict[str, Any]) -> Any:
+    """The method's settings with some values replaced; InputError names an unknown one."""
+    from dataclasses import fields
+
+    from engine.methods import METHODS
+
+    kind = METHODS[method].settings
+    known = {field.name for field in fields(kind)}
+    for name in values:
+        if name not in known:
+            raise InputError(
+                f"{method} has no such setting; it has {', '.join(sorted(known))}",
+                field=f"settings.{name}",
+            )
+    try:
+        return kind(**values)
+    except (TypeError, ValueError) as error:
+        raise InputError(str(error), field="settings") from None
+
+
+if __name__ == "__main__":
+    main()
+    # Threads of the engine's pools have nothing more to do.
+    sys.stderr.flush()
+    os._exit(0)

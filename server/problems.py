@@ -1,0 +1,134 @@
+"""Errors as RFC 9457 problem documents.
+
+Every error that leaves the service is `application/problem+json` with type, title, status, detail
+and, where one is to blame, the dotted path of the field. Nothing else leaks: neither a path of this
+machine nor a traceback.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from pathlib import PurePath
+from typing import Any
+
+from fastapi import FastAPI, Request, Response
+from fastapi.exceptions import RequestValidationError
+from pydantic import ValidationError
+from starlette.exceptions import HTTPException
+
+from engine.errors import (
+    BackendError,
+    Cancelled,
+    EditError,
+    InputError,
+    NotFound,
+    RelightError,
+    StoreError,
+)
+from server.wire import Problem
+
+log = logging.getLogger("relight.server")
+
+MEDIA_TYPE = "application/problem+json"
+
+TITLES = {
+    400: "The request cannot be read",
+    404: "Not found",
+    405: "Method not allowed",
+    406: "No such image format",
+    409: "The work was stopped",
+    413: "The request is too large",
+    422: "The input cannot be used",
+    500: "The service failed",
+    503: "The service is busy",
+}
+
+
+class Busy(RelightError):
+    """Too much is waiting already; come back later."""
+
+
+class TooLarge(RelightError):
+    """The body is over the limit."""
+
+
+class NotAcceptable(RelightError):
+    """None of the image formats that the client accepts can be made."""
+
+
+STATUS: tuple[tuple[type[RelightError], int], ...] = (
+    (InputError, 422),
+    (NotFound, 404),
+    (Cancelled, 409),
+    (BackendError, 503),
+    (Busy, 503),
+    (TooLarge, 413),
+    (NotAcceptable, 406),
+    (StoreError, 500),
+)
+
+
+def invalid(error: ValidationError | RequestValidationError, skip: Sequence[str] = ()) -> EditError:
+    """The first problem of a pydantic error; leading parts of its path named in `skip` are left."""
+    first = error.errors()[0]
+    tag = first.get("ctx", {}).get("tag")
+    path = [str(part) for part in first["loc"] if part != tag]
+    while path and path[0] in skip:
+        path.pop(0)
+    return EditError(str(first["msg"]), field=".".join(path))
+
+
+def describe(error: Exception) -> Problem:
+    """The problem document of any error; an unexpected one is logged and not shown."""
+    if isinstance(error, RequestValidationError):
+        if error.errors()[0]["type"] == "json_invalid":
+            return Problem(title=TITLES[400], status=400, detail="the body is not valid JSON")
+        error = invalid(error, skip=("body", "query", "path"))
+    if isinstance(error, HTTPException):
+        title = TITLES.get(error.status_code, "Error")
+        return Problem(title=title, status=error.status_code, detail=str(error.detail))
+    for kind, status in STATUS:
+        if isinstance(error, kind):
+            if isinstance(error, InputError):
+                return Problem(
+                    title=TITLES[status],
+                    status=status,
+                    detail=error.message,
+                    field=error.field,
+                    file=PurePath(error.file).name,
+                )
+            return Problem(title=TITLES[status], status=status, detail=str(error))
+    log.error("unexpected error", exc_info=error)
+    return Problem(
+        title=TITLES[500],
+        status=500,
+        detail=f"an unexpected {type(error).__name__}; the log of the service has the details",
+    )
+
+
+def response(problem: Problem) -> Response:
+    """The problem as an HTTP answer."""
+    headers = {"Retry-After": "1"} if problem.status == 503 else {}
+    return Response(
+        problem.model_dump_json(exclude_defaults=False),
+        status_code=problem.status,
+        media_type=MEDIA_TYPE,
+        headers=headers,
+    )
+
+
+def install(app: FastAPI) -> None:
+    """Answer every error of the app with a problem document."""
+
+    async def answer(request: Request, error: Any) -> Response:
+        problem = describe(error)
+        kind = request.headers.get("content-type", "")
+        if isinstance(error, RequestValidationError) and "json" not in kind:
+            problem = problem.model_copy(
+                update={"detail": "send the body as JSON, with Content-Type: application/json"}
+            )
+        return response(problem)
+
+    for kind in (RelightError, RequestValidationError, HTTPException, Exception):
+        app.add_exception_handler(kind, answer)

@@ -1,0 +1,174 @@
+"""A scene on the service: opened when first needed, seen through products and previews.
+
+A fixed-view product answers for one camera. Until it is there, and while the camera moves, a
+preview shows direct light for that camera.
+"""
+
+from __future__ import annotations
+
+import re
+import threading
+from collections import OrderedDict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Generic, NamedTuple, TypeVar
+
+from engine.errors import NotFound, SceneError
+from engine.methods.base import Frame, Product
+from engine.methods.fixed_view.preview import DirectPreview
+from engine.scene.camera import Camera
+from engine.scene.edits import Edits, edited_camera
+from engine.scene.open import open_scene, scenes
+from engine.scene.scene import Scene
+
+Key = TypeVar("Key")
+Value = TypeVar("Value")
+
+METHOD = "direct_to_indirect"
+KEPT_PRODUCTS = 4
+KEPT_PREVIEWS = 3
+
+
+class View(NamedTuple):
+    """What draws a frame: `scale` is left for it to apply; `method` names it to the user."""
+
+    renderer: Product | DirectPreview
+    scale: int
+    method: str
+
+    def relight(self, edits: Edits) -> Frame:
+        """The frame under the edits, the camera's aside."""
+        return self.renderer.relight(edits.model_copy(update={"camera": None}), self.scale)
+
+
+class Recent(Generic[Key, Value]):
+    """The `limit` entries used last."""
+
+    def __init__(self, limit: int) -> None:
+        self._limit = limit
+        self._entries: OrderedDict[Key, Value] = OrderedDict()
+
+    def get(self, key: Key) -> Value | None:
+        """The entry; None where there is none."""
+        return self._entries.get(key)
+
+    def use(self, key: Key) -> Value | None:
+        """The entry, now the newest; None where there is none."""
+        if key in self._entries:
+            self._entries.move_to_end(key)
+        return self._entries.get(key)
+
+    def keep(self, key: Key, value: Value) -> None:
+        """Add an entry, let the oldest go."""
+        self._entries[key] = value
+        self._entries.move_to_end(key)
+        while len(self._entries) > self._limit:
+            self._entries.popitem(last=False)
+
+
+class Stage:
+    """One scene. `scene` may be called from any thread; `view` from the render thread alone."""
+
+    def __init__(self, name: str, source: str, description: str) -> None:
+        self.name, self.source, self.description = name, source, description
+        self._lock = threading.Lock()
+        self._scene: Scene | None = None
+        self._products: Recent[tuple[str, str], Product] = Recent(KEPT_PRODUCTS)
+        self._previews: Recent[str, DirectPreview] = Recent(KEPT_PREVIEWS)
+
+    def scene(self) -> Scene:
+        """The opened scene; what is wrong with it is raised every time."""
+        with self._lock:
+            if self._scene is None:
+                self._scene = open_scene(self.source)
+            return self._scene
+
+    def camera(self, edits: Edits) -> Camera:
+        """The camera under the edits."""
+        return edited_camera(self.scene().camera, edits.camera)
+
+    def product(self, camera: Camera, method: str = METHOD) -> Product | None:
+        """The product for this view, if it is loaded."""
+        return self._products.get((method, camera.model_dump_json()))
+
+    def install(self, camera: Camera, method: str, product: Product) -> None:
+        """Use a product from now on."""
+        self._products.keep((method, camera.model_dump_json()), product)
+
+    def view(self, camera: Camera, scale: int) -> View:
+        """The best there is for this camera."""
+        key = camera.model_dump_json()
+        product = self._products.use((METHOD, key))
+        if product is not None:
+            return View(product, scale, product.method)
+        preview = self._previews.use(key)
+        if preview is not None:
+            return View(preview, scale, "direct")
+        if scale > 1:
+            # A camera that moves would pay for a full buffer at every step: trace fewer rays.
+            camera = camera.model_copy(
+                update={"width": -(-camera.width // scale), "height": -(-camera.height // scale)}
+            )
+        preview = DirectPreview(self.scene().with_camera(camera))
+        self._previews.keep(camera.model_dump_json(), preview)
+        return View(preview, 1, "direct")
+
+
+@dataclass(frozen=True)
+class Stages:
+    """All scenes by their name in URLs; the first is the default."""
+
+    stages: dict[str, Stage]
+
+    @property
+    def default(self) -> Stage:
+        """The scene that the page opens."""
+        return next(iter(self.stages.values()))
+
+    def get(self, name: str) -> Stage:
+        """Raises NotFound."""
+        try:
+            return self.stages[name]
+        except KeyError:
+            known = ", ".join(self.stages)
+            raise NotFound(f"there is no scene {name!r}; there are {known}") from None
+
+
+def stages(sources: Sequence[str]) -> Stages:
+    """The sources in their order, then the built-in scenes that are not among them.
+
+    A source is the name of a built-in scene or a file. SceneError where it is neither.
+    """
+    builtin = dict(scenes())
+    found: dict[str, Stage] = {}
+    for source in sources:
+        if source in builtin:
+            found[source] = Stage(source, source, builtin[source])
+            continue
+        path = Path(source)
+        if not path.exists():
+            raise SceneError(
+                f"there is no such file, and no built-in scene of that name ({', '.join(builtin)})",
+                file=source,
+            )
+        name = unique(slug(path), {*found, *builtin})
+        found[name] = Stage(name, str(path.resolve()), path.name)
+    for source, description in builtin.items():
+        if source not in found:
+            found[source] = Stage(source, source, description)
+    return Stages(found)
+
+
+def slug(path: Path) -> str:
+    """Lower-case letters, digits and hyphens from a file name; `scene.json` takes its folder's."""
+    stem = path.resolve().parent.name if path.stem == "scene" else path.stem
+    return re.sub(r"[^a-z0-9]+", "-", stem.lower()).strip("-") or "scene"
+
+
+def unique(name: str, taken: set[str]) -> str:
+    """The name, with a number behind it where it is taken."""
+    candidate, number = name, 2
+    while candidate in taken:
+        candidate, number = f"{name}-{number}", number + 1
+    return candidate

@@ -1,0 +1,173 @@
+"""Every type that crosses the wire, for HTTP and for the live socket.
+
+Live socket, client to service: JSON text, `LiveEdit` or `LiveAck`. Service to client: a binary
+message per frame (4 bytes little-endian length of the header, `FrameHeader` as JSON, the encoded
+image), and JSON text: `LiveJob` when the precompute of the view moves on, `LiveProblem` when an
+edit could not be drawn.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from engine.diagnosis import Diagnosis
+from engine.scene.camera import Camera
+from engine.scene.edits import Edits
+
+ImageFormat = Literal["jpeg", "png", "webp", "exr"]
+JobStatus = Literal["queued", "running", "done", "failed", "cancelled"]
+
+Exposure = Annotated[float, Field(ge=-32, le=32, description="in stops: doubles per unit")]
+Scale = Annotated[int, Field(ge=1, le=8, description="2 draws every second pixel of every row")]
+Quality = Annotated[int, Field(ge=1, le=100, description="of JPEG and WebP; PNG has none")]
+
+
+class Wire(BaseModel):
+    """Unknown keys, NaN and infinity are refused; what the service sends never changes."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Problem(Wire):
+    """RFC 9457, with the dotted path of the field and the file that are to blame."""
+
+    type: str = "about:blank"
+    title: str
+    status: int
+    detail: str
+    field: str = ""
+    file: str = ""
+
+
+class Notice(Wire):
+    """A diagnosis."""
+
+    code: str
+    message: str
+    size: float = 0.0
+
+    @staticmethod
+    def of(diagnosis: Diagnosis) -> Notice:
+        """From the engine's diagnosis."""
+        return Notice(
+            code=diagnosis.code, message=diagnosis.message, size=min(diagnosis.size, 1e30)
+        )
+
+
+class SceneSummary(Wire):
+    """A scene in the list; `default` is the one that the page opens."""
+
+    name: str
+    description: str
+    default: bool
+
+
+class MethodState(Wire):
+    """A method as offered for one scene; `ready` for the scene's own camera."""
+
+    name: str
+    paper: str
+    edits: list[str]
+    ready: bool
+    bytes: int = 0
+
+
+class SceneDetail(Wire):
+    """What can be seen and edited in a scene; `light_types` has a JSON schema per type."""
+
+    name: str
+    description: str
+    camera: Camera
+    diagonal: float
+    lights: list[dict[str, Any]]
+    light_types: dict[str, dict[str, Any]]
+    materials: list[str]
+    objects: list[str]
+    triangles: int
+    methods: list[MethodState]
+    warnings: list[Notice]
+    job: JobState | None
+
+
+class FrameHeader(Wire):
+    """What goes along with a frame; timings in milliseconds.
+
+    method  `direct` while the indirect light is not there yet
+    error   estimated relative error of the method, None where none is known
+    job     id of the precompute that this view waits for
+    """
+
+    seq: int
+    width: int
+    height: int
+    scale: int
+    format: ImageFormat
+    method: str
+    timings: dict[str, float]
+    warnings: list[Notice]
+    error: float | None = None
+    job: str | None = None
+
+
+class PrecomputeRequest(Wire):
+    """Which method to prepare, for the camera of `edits`."""
+
+    method: str = "direct_to_indirect"
+    settings: dict[str, Any] = {}
+    edits: Edits = Edits()
+
+
+class JobState(Wire):
+    """A precompute. `eta_seconds` is None until there is something to judge by."""
+
+    id: str
+    scene: str
+    method: str
+    status: JobStatus
+    phase: str = ""
+    fraction: float = 0.0
+    elapsed_seconds: float = 0.0
+    eta_seconds: float | None = None
+    problem: Problem | None = None
+
+
+class LiveEdit(Wire):
+    """The whole state that the client wants to see; a newer one replaces an older one."""
+
+    type: Literal["edit"] = "edit"
+    seq: Annotated[int, Field(ge=0, lt=2**53)]
+    edits: Edits = Edits()
+    exposure: Exposure = 0.0
+    scale: Scale = 1
+    format: Literal["jpeg", "png", "webp"] = "jpeg"
+    quality: Quality = 85
+
+
+class LiveAck(Wire):
+    """The client has shown, or thrown away, one frame; the service may send another."""
+
+    type: Literal["ack"] = "ack"
+    seq: Annotated[int, Field(ge=0, lt=2**53)]
+
+
+LiveMessage = Annotated[LiveEdit | LiveAck, Field(discriminator="type")]
+
+
+class LiveJob(Wire):
+    """The precompute of the client's view has moved on."""
+
+    type: Literal["job"] = "job"
+    job: JobState
+
+
+class LiveProblem(Wire):
+    """The edit with this number, or an unreadable message (-1), could not be answered."""
+
+    type: Literal["problem"] = "problem"
+    seq: int = -1
+    problem: Problem
+
+
+SceneDetail.model_rebuild()

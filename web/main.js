@@ -1,0 +1,158 @@
+// The page: wires state, picture, handles, panels and the live socket together.
+
+import { Handles } from "./handles.js";
+import { Live } from "./live.js";
+import { Orbit } from "./orbit.js";
+import { Panel } from "./panel.js";
+import { Requests } from "./requests.js";
+import { State } from "./state.js";
+import { Status } from "./status.js";
+
+const find = (id) => document.getElementById(id);
+const canvas = find("canvas");
+const context = canvas.getContext("2d", { alpha: false });
+
+const state = new State();
+let live = null;
+
+const status = new Status(find, async (job) => {
+  const ended = job.status === "failed" || job.status === "cancelled";
+  await (ended ? precompute() : call(`api/jobs/${job.id}`, { method: "DELETE" }));
+});
+const requests = new Requests(state, (edit, cause) => live?.send(edit, cause));
+const handles = new Handles(state, {
+  picture: find("picture"), handles: find("handles"), lines: find("lines"),
+});
+const panel = new Panel(state, {
+  list: find("lights"), light: find("light"), add: find("add"), reset: find("reset"),
+});
+new Orbit(state, find("picture"), find("camera-mode"));
+
+state.listen((what, moving) => {
+  if (what === "scene") panel.open();
+  else panel.draw();
+  handles.draw();
+  find("camera-reset").disabled = !state.cameraMoved;
+  if (what === "exposure") drawExposure();
+  if (what !== "selected") requests.changed(moving, what === "camera");
+});
+
+async function call(path, options = {}) {
+  const response = await fetch(path, options);
+  const body = await response.json();
+  if (!response.ok) {
+    status.problem(body);
+    throw new Error(body.detail);
+  }
+  return body;
+}
+
+async function precompute() {
+  const { camera } = state.edits();
+  const job = await call(`api/scenes/${encodeURIComponent(state.scene.name)}/precompute`, {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify({ edits: camera ? { camera } : {} }),
+  });
+  status.job(job);
+  requests.changed(false);
+}
+
+function drawExposure() {
+  const stops = state.exposure;
+  find("exposure").value = stops;
+  find("exposure-value").textContent = `${stops > 0 ? "+" : ""}${stops.toFixed(1)} EV`;
+}
+
+function showFrame(bitmap, header, roundTrip, cause) {
+  const { width, height } = state.camera;
+  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+  context.imageSmoothingQuality = "high";
+  context.drawImage(bitmap, 0, 0, width, height);
+  for (const key of ["seq", "scale", "format", "method"]) canvas.dataset[key] = header[key];
+  find("waiting").hidden = true;
+  requests.took(header);
+  status.frame(header, roundTrip);
+  if (cause === null) return;
+  // From the event that caused the frame to the moment the browser presents it.
+  requestAnimationFrame(() => {
+    if (performance.getEntriesByName("pointer-to-pixels").length > 2000) {
+      performance.clearMeasures("pointer-to-pixels");
+    }
+    performance.measure("pointer-to-pixels", {
+      start: cause, end: performance.now(), detail: { seq: header.seq, scale: header.scale },
+    });
+  });
+}
+
+function drawFacts(scene) {
+  const facts = {
+    Triangles: scene.triangles.toLocaleString("en"),
+    Objects: scene.objects.length,
+    Materials: scene.materials.length,
+    Picture: `${scene.camera.width} × ${scene.camera.height}`,
+  };
+  find("facts").replaceChildren(
+    ...Object.entries(facts).flatMap(([name, value]) => [node("dt", name), node("dd", value)]),
+  );
+  find("scene-warnings").replaceChildren(...scene.warnings.map((w) => node("li", w.message)));
+}
+
+function node(tag, text) {
+  return Object.assign(document.createElement(tag), { textContent: text });
+}
+
+function drawScenes(scenes, current) {
+  const buttons = scenes.map(({ name, description }) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.setAttribute("role", "radio");
+    button.setAttribute("aria-checked", String(name === current));
+    button.append(node("b", name), node("small", description));
+    button.addEventListener("click", () => open(scenes, name));
+    return button;
+  });
+  find("scenes").replaceChildren(...buttons);
+}
+
+async function open(scenes, name) {
+  live?.close();
+  live = null;
+  drawScenes(scenes, name);
+  const waiting = find("waiting");
+  waiting.textContent = `Opening ${name} …`;
+  waiting.hidden = false;
+  find("problem").hidden = true;
+  status.job(null);
+  let scene = null;
+  try {
+    scene = await call(`api/scenes/${encodeURIComponent(name)}`);
+  } catch (error) {
+    waiting.textContent = `${name} cannot be opened.`;
+    throw error;
+  }
+  document.title = `${name} · Relight`;
+  const { width, height } = scene.camera;
+  find("picture").style.setProperty("--ratio", width / height);
+  drawFacts(scene);
+  live = new Live(name, {
+    frame: showFrame,
+    job: (job) => status.job(job),
+    problem: (problem) => status.problem(problem),
+    connected: (on) => status.connected(on),
+  });
+  state.open(scene);
+}
+
+find("exposure").addEventListener("input", () => {
+  state.setExposure(find("exposure").valueAsNumber, true);
+});
+find("exposure").addEventListener("change", () => {
+  state.setExposure(find("exposure").valueAsNumber, false);
+});
+find("camera-reset").addEventListener("click", () => state.resetCamera());
+
+const scenes = await call("api/scenes");
+const asked = new URLSearchParams(location.search).get("scene");
+const first = scenes.find(({ name }) => name === asked) ?? scenes.find((scene) => scene.default);
+await open(scenes, first.name);

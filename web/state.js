@@ -1,0 +1,149 @@
+// What the person has changed: plain data, one way to change it, listeners.
+
+import { strength } from "./colour.js";
+import { add, mix, scale, sub } from "./vector.js";
+
+const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+
+export class State {
+  #listeners = [];
+
+  constructor() {
+    this.scene = null;
+    this.lights = [];
+    this.camera = null;
+    this.exposure = 0;
+    this.selected = null;
+  }
+
+  // Called as listener(what, moving): what is "scene", "lights", "camera", "exposure" or
+  // "selected"; moving is true while the hand is still at it.
+  listen(listener) {
+    this.#listeners.push(listener);
+  }
+
+  #tell(what, moving = false) {
+    for (const listener of this.#listeners) listener(what, moving);
+  }
+
+  open(scene) {
+    this.scene = scene;
+    this.lights = structuredClone(scene.lights);
+    this.camera = structuredClone(scene.camera);
+    this.selected = scene.lights[0]?.id ?? null;
+    this.#tell("scene");
+  }
+
+  light(id) {
+    return this.lights.find((light) => light.id === id);
+  }
+
+  isOwn(id) {
+    return !this.scene.lights.some((light) => light.id === id);
+  }
+
+  get changed() {
+    return !same(this.lights, this.scene?.lights);
+  }
+
+  get cameraMoved() {
+    return !same(this.camera, this.scene?.camera);
+  }
+
+  // Replace some fields of a light.
+  change(id, fields, moving = false) {
+    this.lights = this.lights.map((light) => (light.id === id ? { ...light, ...fields } : light));
+    this.#tell("lights", moving);
+  }
+
+  select(id) {
+    if (id === this.selected) return;
+    this.selected = id;
+    this.#tell("selected");
+  }
+
+  setExposure(stops, moving = false) {
+    this.exposure = stops;
+    this.#tell("exposure", moving);
+  }
+
+  setCamera(camera, moving = false) {
+    this.camera = camera;
+    this.#tell("camera", moving);
+  }
+
+  // A new light of a type, in view, as strong as its like in the scene.
+  addLight(type) {
+    let number = 1;
+    while (this.light(`${type}-${number}`)) number += 1;
+    const id = `${type}-${number}`;
+    const { position, target } = this.camera;
+    const place = add(mix(position, target, 0.9), scale(this.camera.up, 0.08 * this.scene.diagonal));
+    const properties = this.scene.light_types[type].properties;
+    const light = { id, type, enabled: true, intensity: this.#usualIntensity(type) };
+    if (properties.position) light.position = place;
+    if (properties.target) light.target = add(place, [0, -0.2 * this.scene.diagonal, 1e-3]);
+    if (properties.direction) light.direction = sub(target, add(position, scale(this.camera.up, 1)));
+    for (const side of ["width", "height"]) {
+      if (properties[side]) light[side] = 0.08 * this.scene.diagonal;
+    }
+    for (const [name, schema] of Object.entries(properties)) {
+      if (!(name in light) && schema.default !== undefined) light[name] = schema.default;
+    }
+    this.lights = [...this.lights, light];
+    this.selected = id;
+    this.#tell("lights");
+    this.#tell("selected");
+  }
+
+  #usualIntensity(type) {
+    const like = this.scene.lights.filter((light) => light.type === type);
+    if (like.length) return like[0].intensity;
+    // An area of A square metres shines straight ahead like a point of A times its radiance.
+    const d2 = this.scene.diagonal ** 2;
+    const perDistance = { area: 1 / (0.08 ** 2 * d2), distant: 1 / (0.2 * d2) }[type] ?? 1;
+    const points = this.scene.lights.map((light) => {
+      const own = strength(light.intensity);
+      if (light.type === "area") return own * light.width * light.height;
+      return light.type === "distant" ? own * 0.2 * d2 : own;
+    });
+    const s = (points.length ? Math.max(...points) || 1 : 0.1 * d2) * perDistance;
+    return [s, s, s];
+  }
+
+  // Added lights go; the scene's own can only be turned off.
+  removeLight(id) {
+    this.lights = this.lights.filter((light) => light.id !== id);
+    this.selected = this.lights[0]?.id ?? null;
+    this.#tell("lights");
+    this.#tell("selected");
+  }
+
+  reset(id = null) {
+    const original = structuredClone(this.scene.lights);
+    this.lights = id
+      ? this.lights.map((light) => (light.id === id ? original.find((l) => l.id === id) : light))
+      : original;
+    if (!this.light(this.selected)) this.selected = this.lights[0]?.id ?? null;
+    this.#tell("lights");
+    this.#tell("selected");
+  }
+
+  resetCamera() {
+    this.setCamera(structuredClone(this.scene.camera));
+  }
+
+  // As `POST /api/scenes/{scene}/frame` and `relight render --edits` take them.
+  edits() {
+    const edits = {};
+    const lights = this.lights.filter(
+      (light) => !same(light, this.scene.lights.find((old) => old.id === light.id)),
+    );
+    if (lights.length) edits.lights = lights;
+    if (this.cameraMoved) {
+      const { position, target, up, fov_y_degrees } = this.camera;
+      edits.camera = { position, target, up, fov_y_degrees };
+    }
+    return edits;
+  }
+}

@@ -1,0 +1,74 @@
+// What the person should know: method, time, size, error, warnings, progress, problems.
+
+const NAMES = {
+  direct: "Direct light only",
+  direct_to_indirect: "Direct-to-indirect transfer",
+};
+
+export class Status {
+  #job = null;
+
+  // action(job) is called by the button beside the progress bar.
+  constructor(find, action) {
+    this.find = find;
+    find("progress-action").addEventListener("click", () => action(this.#job));
+  }
+
+  connected(on) {
+    const dot = this.find("status-connection");
+    dot.className = `dot ${on ? "on" : "off"}`;
+    dot.textContent = on ? "Connected" : "Not connected, trying again …";
+  }
+
+  frame(header, roundTrip) {
+    const { find } = this;
+    find("status-method").textContent = NAMES[header.method] ?? header.method;
+    const there = roundTrip === null ? "" : `, ${Math.round(roundTrip)} ms to the picture`;
+    find("status-time").textContent = `${header.timings.total.toFixed(1)} ms${there}`;
+    find("status-time").title = Object.entries(header.timings)
+      .map(([name, ms]) => `${name} ${ms.toFixed(1)} ms`)
+      .join("\n");
+    const kind = header.format === "png" ? "lossless" : header.scale > 1 ? "while moving" : "full";
+    find("status-size").textContent = `${header.width} × ${header.height} ${kind}`;
+    find("status-error").textContent =
+      header.error === null ? "" : `error about ${(100 * header.error).toFixed(1)} %`;
+    find("status-warnings").textContent = header.warnings.map((w) => w.message).join(" · ");
+    if (!header.job) this.job(null);
+    find("problem").hidden = true;
+  }
+
+  problem(problem) {
+    const box = this.find("problem");
+    const where = [problem.file, problem.field].filter(Boolean).join(", ");
+    box.textContent = where ? `${where}: ${problem.detail}` : problem.detail;
+    box.hidden = false;
+  }
+
+  job(job) {
+    const { find } = this;
+    this.#job = job;
+    const over = !job || job.status === "done";
+    find("progress").hidden = over;
+    if (over) return;
+    const percent = Math.round(100 * job.fraction);
+    const left = job.eta_seconds === null ? "" : `, ${duration(job.eta_seconds)} left`;
+    const texts = {
+      queued: "Indirect light is waiting for its turn",
+      running: `Computing indirect light: ${job.phase} ${percent} %${left}`,
+      failed: `No indirect light: ${job.problem?.detail ?? "the precompute failed"}`,
+      cancelled: "Indirect light was cancelled: direct light only",
+    };
+    const text = find("progress-text");
+    if (text.textContent !== texts[job.status]) text.textContent = texts[job.status];
+    const bar = find("progress-bar");
+    bar.setAttribute("aria-valuenow", percent);
+    bar.firstElementChild.style.width = `${percent}%`;
+    const ended = job.status === "failed" || job.status === "cancelled";
+    find("progress-action").textContent = ended ? "Compute" : "Cancel";
+  }
+}
+
+function duration(seconds) {
+  if (seconds < 90) return `about ${Math.max(1, Math.round(seconds))} s`;
+  return `about ${Math.round(seconds / 60)} min`;
+}
