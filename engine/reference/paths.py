@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from engine.brdf import table as brdf
 from engine.brdf.base import ROW
+from engine.numerics.borrow import borrow
 from engine.numerics.frames import to_local, to_world
 from engine.numerics.vec import add, mul, scale, vec
 from engine.reference.vertex import (
@@ -113,7 +114,7 @@ def _accumulate(radiance, slot, bounce, value):
         radiance[slot, first + c] += value[c]
 
 
-@njit
+@njit(inline="always")
 def _choose_light(world, model, p, frame, x, wo, seed, index, bounce):
     """(w, limit, reflected radiance) of one light, drawn by brightness; see the module."""
     total = 0.0
@@ -145,6 +146,8 @@ def bounce_paths(world, seed, bounce, last, now, n, hits, index, radiance, shado
     `last` is the number of reflections after which a path ends; index (samples,) int64 are the
     samples' numbers.
     """
+    world, now, hits, index = borrow(world), borrow(now), borrow(hits), borrow(index)
+    radiance, shadow, following = borrow(radiance), borrow(shadow), borrow(following)
     shadow_count = following_count = 0
     p = np.zeros(ROW, np.float32)
     for k in range(n):

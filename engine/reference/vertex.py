@@ -25,7 +25,7 @@ def number(seed, index, bounce, place):
     return uniform(seed, index, (bounce << 20) + place)
 
 
-@njit
+@njit(inline="always")
 def frame_at(geometry, triangle, b1, b2, wo):
     """(geometric normal, s, t, shading normal): all unit, the normals on the side of wo."""
     g, n = normals(geometry, triangle, b1, b2, wo)
@@ -46,7 +46,7 @@ def reflect_towards(model, p, frame, wo, w):
     return scale(brdf.evaluate(model, p, wi, wo), wi[2]), brdf.pdf(model, p, wi, wo)
 
 
-@njit
+@njit(inline="always")
 def light_sample(world, light, x, seed, index, bounce):
     """One sample of one light seen from x.
 
@@ -98,7 +98,7 @@ def weigh(own, other):
     return 1.0 / (1.0 + other / own) if own > 0.0 else 0.0
 
 
-@njit
+@njit(inline="always")
 def seen(world, o, d, distance, triangle, scattered):
     """Radiance that the ray from o along d meets at its end, and of the lights before it.
 
