@@ -2,40 +2,237 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 
+from engine.brdf.albedo import albedo_diagnosis
+from engine.brdf.base import Material
 from engine.brdf.diffuse import Diffuse
-from engine.light.environment import Environment
-from engine.scene import shapes
-from engine.scene.description import SceneDescription, split
-from engine.scene.geometry import assemble
-from engine.scene.scene import Scene
+from engine.diagnosis import Diagnosis
+from engine.errors import SceneError
+from engine.light.base import Light
+from engine.light.maps import load_environment
+from engine.scene import framing, lighting, shapes
+from engine.scene.camera import Camera
+from engine.scene.description import Object, SceneDescription, split
+from engine.scene.explain import closest
+from engine.scene.geometry import Placed, assemble
+from engine.scene.mesh_files import MeshFile, read_mesh_file, unique
+from engine.scene.mtl import capped
+from engine.scene.rays import RayTracer
+from engine.scene.scene import Geometry, MaterialTable, Scene
+from engine.scene.surfaces import Surface
 from engine.scene.tables import material_table
+from engine.scene.textures import MAX_SIDE, Image, read_image
 
 
-def build(description: SceneDescription) -> Scene:
-    """Read what the description names and lay it out flat."""
-    names = list(description.materials)
-    materials = [split(material)[0] for material in description.materials.values()]
-    if any(thing.material is None for thing in description.objects):
-        names.append("grey")
-        materials.append(Diffuse())
-    placed = [
-        (shapes.make(thing.mesh), thing.matrix(), names.index(thing.material or "grey"), index)
-        for index, thing in enumerate(description.objects)
+class _Builder:
+    """What a scene is made of, as it grows."""
+
+    def __init__(self) -> None:
+        self.surfaces: dict[str, Surface] = {}
+        self.placed: list[Placed] = []
+        self.objects: list[str] = []
+        self.diagnoses: list[Diagnosis] = []
+        self.lights: list[Light] = []
+        self.camera: Camera | None = None
+        self._files: dict[Path, tuple[MeshFile, dict[str, int]]] = {}
+
+    def grey(self) -> int:
+        """The index of the material of things that have none."""
+        self.surfaces.setdefault("grey", Surface(Diffuse()))
+        return list(self.surfaces).index("grey")
+
+    def file(self, path: Path) -> tuple[MeshFile, dict[str, int]]:
+        """A mesh file and the indices of its materials; it is read once."""
+        if path not in self._files:
+            read = read_mesh_file(path)
+            places = {}
+            for name, surface in read.surfaces.items():
+                places[name] = len(self.surfaces)
+                self.surfaces[unique(name, self.surfaces)] = surface
+            self.diagnoses += read.diagnoses
+            self.lights += read.lights
+            self.camera = self.camera or read.camera
+            self._files[path] = read, places
+        return self._files[path]
+
+    def finish(
+        self, name: str, camera: Camera | None, lights: Sequence[Light] | None
+    ) -> tuple[Scene, RayTracer]:
+        """The scene without its environment."""
+        geometry, mended = assemble(self.placed, self.objects)
+        rays = RayTracer(geometry.positions, geometry.triangles)
+        materials = tuple(surface.material for surface in self.surfaces.values())
+        table = material_table(materials, [surface.images for surface in self.surfaces.values()])
+        names = tuple(self.surfaces)
+        return Scene(
+            name=name,
+            camera=camera or framing.default_camera(geometry, rays),
+            geometry=geometry,
+            material_table=table,
+            material_names=names,
+            materials=materials,
+            object_names=tuple(self.objects),
+            lights=tuple(lights or ()),
+            environment=None,
+            diagnoses=(
+                *self.diagnoses,
+                *mended,
+                *_without_coordinates(geometry, table, names),
+                *albedo_diagnoses(names, materials, table),
+            ),
+        ), rays
+
+
+def build(description: SceneDescription, folder: Path, file: str = "") -> Scene:
+    """Read what the description names, relative to `folder`, and lay it out flat."""
+    made = _Builder()
+    images: dict[tuple[Path, bool], Image] = {}
+    for name, material in description.materials.items():
+        constants, files = split(material)
+        slots = {
+            slot: _texture(folder, image, f"materials.{name}.{slot}", images, made.diagnoses)
+            for slot, image in files.items()
+        }
+        made.surfaces[name] = Surface(constants, slots)
+    for index, thing in enumerate(description.objects):
+        _add_object(made, thing, index, folder, list(description.materials))
+    lights = _checked(description.lights)
+    scene, rays = made.finish(description.name, description.camera, lights)
+    if description.environment is not None:
+        environment = load_environment(description.environment, folder)
+        scene = replace(scene, environment=environment)
+    if lights is None and description.environment is None:
+        scene = _lit(scene, rays, made.lights)
+    scene.__dict__["rays"] = rays
+    return scene
+
+
+def build_from_mesh(path: Path) -> Scene:
+    """A scene of a mesh file alone."""
+    made = _Builder()
+    read, places = made.file(path)
+    for node in read.nodes:
+        material = made.grey() if node.part.material is None else places[node.part.material]
+        made.placed.append(Placed(node.part, node.matrix, material, len(made.objects)))
+        made.objects.append(unique(node.name, made.objects))
+    try:
+        scene, rays = made.finish(path.stem, made.camera, None)
+    except SceneError as error:
+        raise SceneError(error.message, field=error.field, file=path.name) from None
+    scene = _lit(scene, rays, made.lights)
+    scene.__dict__["rays"] = rays
+    return scene
+
+
+def _lit(scene: Scene, rays: RayTracer, own: Sequence[Light]) -> Scene:
+    """The scene under the lights of its file, or under default ones where it has none."""
+    if own:
+        return replace(scene, lights=tuple(own))
+    if scene.material_table.emission.any():
+        note = "besides the surfaces that shine, "
+    else:
+        note = ""
+    lights = lighting.default_lights(scene.geometry, rays, scene.camera)
+    names = ", ".join(light.id for light in lights)
+    diagnosis = Diagnosis("default_lights", f"the scene has no lights: {note}{names} were added")
+    return replace(scene, lights=lights, diagnoses=(*scene.diagnoses, diagnosis))
+
+
+def _add_object(
+    made: _Builder, thing: Object, index: int, folder: Path, known: Sequence[str]
+) -> None:
+    field = f"objects.{index}"
+    if thing.material is not None and thing.material not in known:
+        raise SceneError(
+            f"there is no material {thing.material!r}; {closest(thing.material, known)}",
+            field=f"{field}.material",
+        )
+    if thing.name in made.objects:
+        raise SceneError(f"another object is named {thing.name!r} too", field=f"{field}.name")
+    made.objects.append(thing.name)
+    own = None if thing.material is None else list(made.surfaces).index(thing.material)
+    if not isinstance(thing.mesh, str):
+        material = made.grey() if own is None else own
+        made.placed.append(Placed(shapes.make(thing.mesh), thing.matrix(), material, index))
+        return
+    path = folder / thing.mesh
+    if not path.is_file():
+        raise SceneError("there is no such file", field=f"{field}.mesh", file=str(path))
+    read, places = made.file(path.resolve())
+    for node in read.nodes:
+        material = own
+        if material is None:
+            name = node.part.material
+            material = made.grey() if name is None else places[name]
+        made.placed.append(Placed(node.part, thing.matrix() @ node.matrix, material, index))
+
+
+def _texture(
+    folder: Path,
+    name: str,
+    field: str,
+    images: dict[tuple[Path, bool], Image],
+    diagnoses: list[Diagnosis],
+) -> Image:
+    path, srgb = folder / name, not field.endswith(".roughness")
+    if not path.is_file():
+        raise SceneError("there is no such file", field=f"{field}.texture", file=str(path))
+    if (path, srgb) not in images:
+        images[path, srgb], side = read_image(path, name, srgb=srgb)
+        if side > MAX_SIDE:
+            diagnoses.append(capped(name, side))
+    return images[path, srgb]
+
+
+def _checked(lights: Sequence[Light] | None) -> tuple[Light, ...] | None:
+    """The lights, each of another id."""
+    if lights is None:
+        return None
+    seen: set[str] = set()
+    for index, light in enumerate(lights):
+        if light.id in seen:
+            raise SceneError(f"another light has the id {light.id!r}", field=f"lights.{index}.id")
+        seen.add(light.id)
+    return tuple(lights)
+
+
+def _without_coordinates(
+    geometry: Geometry, table: MaterialTable, names: Sequence[str]
+) -> list[Diagnosis]:
+    """What to say of textured materials on surfaces without texture coordinates."""
+    bare = ~geometry.uvs[geometry.triangles].any(axis=(1, 2))
+    textured = (table.maps >= 0).any(axis=1)
+    hit = np.unique(geometry.material[bare & textured[geometry.material]])
+    whole = [
+        names[m] for m in hit if bare[geometry.material == m].all()
+    ]  # a single triangle may well lie at the origin of the texture
+    return [
+        Diagnosis(
+            "no_texture_coordinates",
+            f"material {name!r} has a texture but its surfaces have no texture coordinates: "
+            "one texel colours them all",
+        )
+        for name in whole
     ]
-    environment = None
-    if description.environment is not None and not isinstance(description.environment.map, str):
-        radiance = np.array(description.environment.map, np.float32).reshape(1, 1, 3)
-        environment = Environment(description.environment, radiance)
-    return Scene(
-        name=description.name,
-        camera=description.camera,
-        geometry=assemble(placed),
-        material_table=material_table(materials, [{} for _ in materials]),
-        material_names=tuple(names),
-        materials=tuple(materials),
-        object_names=tuple(thing.name for thing in description.objects),
-        lights=tuple(description.lights or ()),
-        environment=environment,
-    )
+
+
+def albedo_diagnoses(
+    names: Sequence[str], materials: Sequence[Material], table: MaterialTable
+) -> list[Diagnosis]:
+    """What to say of materials that reflect more than they receive."""
+    found = []
+    for m, (name, material) in enumerate(zip(names, materials, strict=True)):
+        # Lobes are normalised: what a model may reflect at most is the sum of its colours.
+        bound = np.add(getattr(material, "diffuse", 0.0), getattr(material, "specular", 0.0))
+        known = isinstance(material, Diffuse) or hasattr(material, "specular")
+        if known and np.max(bound) <= 1.0 + 1e-6:
+            continue
+        diagnosis = albedo_diagnosis(name, int(table.model[m]), table.row[m])
+        if diagnosis is not None:
+            found.append(diagnosis)
+    return found

@@ -1,0 +1,64 @@
+"""Find the files that a mesh file names: materials, buffers, textures.
+
+Exporters write paths of the machine they ran on, with either slash, and files get moved next to the
+mesh. So a name is looked for as written, then by its last part in the same folder, without regard
+to case. Nothing outside the folder of the mesh is ever read.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import trimesh
+
+from engine.diagnosis import Diagnosis
+
+
+class Companions(trimesh.resolvers.Resolver):  # type: ignore[misc]
+    """The folder of a mesh file, as trimesh wants to see it."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.missing: dict[str, None] = {}
+
+    def find(self, name: str) -> Path | None:
+        """The file called `name`, or None, which is noted."""
+        written = name.strip().replace("\\", "/")
+        root = self.folder.resolve()
+        # Options may stand before the file name in an MTL map.
+        for candidate in (written, written.rsplit("/", 1)[-1], written.split()[-1] if written else ""):
+            path = (root / candidate).resolve()
+            if candidate and path.is_relative_to(root) and path.is_file():
+                return path
+        last = written.rsplit("/", 1)[-1].lower()
+        for path in sorted(root.iterdir()):
+            if path.name.lower() == last and path.is_file():
+                return path
+        self.missing[name] = None
+        return None
+
+    def get(self, name: str) -> bytes:
+        """The content of the file called `name`."""
+        path = self.find(name)
+        if path is None:
+            raise FileNotFoundError(name)
+        return path.read_bytes()
+
+    def write(self, name: str, data: Any) -> None:
+        """Nothing is written."""
+        raise NotImplementedError
+
+    def namespaced(self, namespace: str) -> Companions:
+        """A folder below."""
+        return Companions(self.folder / namespace)
+
+    def diagnoses(self, file: str) -> list[Diagnosis]:
+        """What was asked for and not found."""
+        return [
+            Diagnosis(
+                "missing_file",
+                f"{file} names {name}, which is not beside it: put it there to see it used",
+            )
+            for name in self.missing
+        ]

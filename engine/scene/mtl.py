@@ -1,0 +1,110 @@
+"""Materials of OBJ files.
+
+MTL has no measured meaning, so this is a choice: Kd is the diffuse reflectance; where Ks is not
+black, it is the reflectance of a Blinn-Phong lobe with exponent Ns. Kd is lowered where Kd + Ks
+would reflect more than it receives. map_Kd multiplies Kd, or replaces it where Kd is black, as
+exporters write it. Ke is emitted radiance. Transparency is not modelled.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.brdf.base import Material
+from engine.brdf.blinn_phong import BlinnPhong
+from engine.brdf.diffuse import Diffuse
+from engine.diagnosis import Diagnosis
+from engine.scene.companions import Companions
+from engine.scene.surfaces import Surface
+from engine.scene.textures import MAX_SIDE, Image, read_image
+
+
+class Converter:
+    """Turns the materials of one file into ours; an image used twice is read once."""
+
+    def __init__(self, companions: Companions, file: str, diagnoses: list[Diagnosis]) -> None:
+        self.companions, self.file, self.diagnoses = companions, file, diagnoses
+        self._images: dict[Path, Image] = {}
+
+    def surface(self, material: Any) -> Surface:
+        """Ours for one of trimesh's `SimpleMaterial`."""
+        words = material.kwargs
+        diffuse, specular = _colour(words.get("kd"), 0.8), _colour(words.get("ks"), 0.0)
+        images: dict[str, Image] = {}
+        # trimesh keeps the path of a texture it found, and the companions that of one it did not.
+        if material.image is not None:
+            self._add(images, "diffuse", material.image.info.get("file_path", ""))
+        if "map_ks" in words:
+            self._add(images, "specular", " ".join(words["map_ks"]))
+        if "diffuse" in images and not diffuse.any():
+            diffuse = np.ones(3)
+        if "specular" in images and not specular.any():
+            specular = np.ones(3)
+        shown = material.name or "material"
+        if _number(words.get("d"), 1.0) < 1 or _number(words.get("tr"), 0.0) > 0:
+            self.diagnoses.append(
+                Diagnosis("opaque", f"material {shown!r} is transparent in its file, opaque here")
+            )
+        specular = np.clip(specular, 0, 1)
+        room = 1 - specular
+        excess = float(np.max(diffuse + specular)) - 1
+        if excess > 1e-6:
+            brightest = diffuse > 0
+            diffuse = diffuse * min(1.0, float(np.min(room[brightest] / diffuse[brightest])))
+            self.diagnoses.append(
+                Diagnosis(
+                    "reflectance_limited",
+                    f"material {shown!r} has Kd + Ks {1 + excess:.2f}: Kd is lowered so that it "
+                    "reflects no more than it receives",
+                    excess,
+                )
+            )
+        emission = tuple(np.clip(_colour(words.get("ke"), 0.0), 0, None).tolist())
+        kd, ks = tuple(np.clip(diffuse, 0, 1).tolist()), tuple(specular.tolist())
+        made: Material
+        if specular.any():
+            exponent = min(max(_number(words.get("ns"), 0.0), 0.0), 1e5)
+            made = BlinnPhong(emission=emission, diffuse=kd, specular=ks, exponent=exponent)
+        else:
+            made = Diffuse(emission=emission, diffuse=kd)
+        return Surface(made, images)
+
+    def _add(self, images: dict[str, Image], slot: str, name: str) -> None:
+        path = self.companions.find(name)
+        if path is None:
+            return
+        if path not in self._images:
+            self._images[path], side = read_image(path, path.name, srgb=True)
+            if side > MAX_SIDE:
+                self.diagnoses.append(capped(path.name, side))
+        images[slot] = self._images[path]
+
+
+def capped(name: str, side: int) -> Diagnosis:
+    """What to say of an image that was made smaller."""
+    return Diagnosis(
+        "texture_reduced",
+        f"{name} is {side} pixels long and was reduced to {MAX_SIDE} to spare memory",
+        side / MAX_SIDE - 1,
+    )
+
+
+def _colour(value: Any, default: float) -> NDArray[np.float64]:
+    """Three finite numbers from one or three, as numbers or words."""
+    try:
+        colour = np.broadcast_to(np.asarray(value, np.float64), 3)
+    except (TypeError, ValueError):
+        return np.full(3, default)
+    return np.array(colour) if np.isfinite(colour).all() else np.full(3, default)
+
+
+def _number(value: Any, default: float) -> float:
+    try:
+        number = float(value[-1] if isinstance(value, list) else value)
+    except (TypeError, ValueError, IndexError):
+        return default
+    return number if np.isfinite(number) else default

@@ -1,0 +1,89 @@
+"""Shading normals for meshes that come without: smooth, but not across creases."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from engine.scene.part import Part
+
+CREASE_DEGREES = 40.0
+MAX_VALENCE = 512  # corners at one point; beyond that each triangle keeps its own normal
+
+
+def with_normals(part: Part) -> Part:
+    """The part with normals made: vertices at one place share one, split where a crease runs.
+
+    A corner's normal is the mean of the triangles that meet at its place and turn away from its own
+    triangle by less than CREASE_DEGREES, each weighed with its angle there (Thürmer and Wüthrich
+    1998): independent of how a flat face is cut into triangles.
+    """
+    corners = part.positions[part.triangles]
+    # Weld: vertices at the same place are one, whatever the file says.
+    _, place = np.unique(part.positions, axis=0, return_inverse=True)
+    place = place.reshape(-1)[part.triangles].reshape(-1)
+    order = np.argsort(place, kind="stable")
+    starts = np.concatenate([[0], np.cumsum(np.bincount(place))])
+    flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(flat, axis=1, keepdims=True)
+    flat = flat / np.where(length > 0, length, 1)
+    normals = np.zeros((len(place), 3))
+    _corner_normals(
+        flat,
+        _angles(corners).reshape(-1),
+        place,
+        order,
+        starts,
+        math.cos(math.radians(CREASE_DEGREES)),
+        normals,
+    )
+    # One vertex for every different pair of old vertex and normal.
+    key = np.empty((len(normals), 4), np.int64)  # noqa: TID251 (filled on the next two lines)
+    key[:, 0] = part.triangles.reshape(-1)
+    key[:, 1:] = np.rint(normals * 1e5)
+    packed = key.view([("", np.int64)] * 4).reshape(-1)
+    _, first, index = np.unique(packed, return_index=True, return_inverse=True)
+    old = part.triangles.reshape(-1)[first]
+    return Part(
+        part.positions[old],
+        index.reshape(-1, 3),
+        normals[first],
+        None if part.uvs is None else part.uvs[old],
+        part.material,
+    )
+
+
+def _angles(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The angle at each corner, (t, 3), of triangles (t, 3, 3)."""
+    a = np.roll(corners, -1, axis=1) - corners
+    b = np.roll(corners, 1, axis=1) - corners
+    return np.arctan2(np.linalg.norm(np.cross(a, b), axis=2), np.sum(a * b, axis=2))
+
+
+@njit(cache=True, nogil=True)
+def _corner_normals(flat, angle, place, order, starts, cos_crease, out):
+    for corner in range(out.shape[0]):
+        own = corner // 3
+        first, last = starts[place[corner]], starts[place[corner] + 1]
+        x = y = z = 0.0
+        if last - first <= MAX_VALENCE:
+            for k in range(first, last):
+                other = order[k] // 3
+                cosine = (
+                    flat[own, 0] * flat[other, 0]
+                    + flat[own, 1] * flat[other, 1]
+                    + flat[own, 2] * flat[other, 2]
+                )
+                if cosine > cos_crease:
+                    x += angle[order[k]] * flat[other, 0]
+                    y += angle[order[k]] * flat[other, 1]
+                    z += angle[order[k]] * flat[other, 2]
+        length = math.sqrt(x * x + y * y + z * z)
+        if length < 1e-12:
+            x, y, z, length = flat[own, 0], flat[own, 1], flat[own, 2], 1.0
+        out[corner, 0] = x / length
+        out[corner, 1] = y / length
+        out[corner, 2] = z / length

@@ -1,0 +1,75 @@
+"""Read images into linear texels."""
+
+from __future__ import annotations
+
+import io
+import warnings
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image as Pillow
+
+from engine.errors import SceneError
+
+Image = NDArray[np.float32]
+"""(height, width, 3) float32, linear, rows from the bottom up."""
+
+MAX_SIDE = 2048
+
+
+def read_image(source: Path | bytes | Pillow.Image, name: str, *, srgb: bool) -> tuple[Image, int]:
+    """The image in linear light and the longer side of the file, in pixels.
+
+    An image longer than MAX_SIDE is made smaller by averaging areas. `srgb` is for colours; plain
+    numbers such as roughness are not decoded. Raises SceneError for a file that is no image.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            opened = Pillow.open(io.BytesIO(source) if isinstance(source, bytes) else source) if (
+                not isinstance(source, Pillow.Image)
+            ) else source
+            values = _values(opened)
+    except Exception as error:  # Pillow raises whatever its decoders raise
+        raise SceneError(f"cannot be read as an image: {error}", file=name) from None
+    if srgb:
+        values = linear(values)
+    side = max(values.shape[:2])
+    if side > MAX_SIDE:
+        values = resized(
+            values,
+            max(1, round(values.shape[1] * MAX_SIDE / side)),
+            max(1, round(values.shape[0] * MAX_SIDE / side)),
+        )
+    return np.ascontiguousarray(values[::-1], np.float32), side
+
+
+def _values(image: Pillow.Image) -> Image:
+    """(height, width, 3) float32 in 0 to 1, as stored, rows from the top down."""
+    if image.mode.startswith("I"):
+        grey = np.asarray(image, np.float32) / 65535
+        return np.repeat(grey[:, :, None], 3, axis=2)
+    if image.mode == "P" and "transparency" in image.info:
+        image = image.convert("RGBA")
+    return np.asarray(image.convert("RGB"), np.float32) / np.float32(255)
+
+
+def linear(srgb: Image) -> Image:
+    """Decode IEC 61966-2-1 sRGB."""
+    low = srgb / np.float32(12.92)
+    high = ((srgb + np.float32(0.055)) / np.float32(1.055)) ** np.float32(2.4)
+    return np.where(srgb <= 0.04045, low, high)
+
+
+def resized(values: Image, width: int, height: int) -> Image:
+    """Another size, by averaging areas where it shrinks."""
+    channels = [
+        np.asarray(
+            Pillow.fromarray(np.ascontiguousarray(values[:, :, k])).resize(
+                (width, height), Pillow.Resampling.BOX
+            )
+        )
+        for k in range(values.shape[2])
+    ]
+    return np.stack(channels, axis=2).astype(np.float32)
