@@ -25,6 +25,8 @@ from engine.numerics.description import Reflectance
 from engine.numerics.sampling import cosine_hemisphere, cosine_power_hemisphere
 from engine.numerics.vec import add, dot, normalize, reflect, scale
 
+GRAZING = 1e-12  # a half vector this close to perpendicular to wo mirrors nothing
+
 
 class BlinnPhong(Material):
     """A matt or glossy plastic whose highlights lengthen towards grazing angles."""
@@ -69,7 +71,7 @@ def sample(p, wo, u):
     if u[2] < share(diffuse_colour(p), specular_colour(p)):
         return cosine_hemisphere(u[0], u[1])
     h = cosine_power_hemisphere(u[0], u[1], float(p[ROUGHNESS]))
-    if dot(wo, h) <= 0.0:
+    if dot(wo, h) <= GRAZING:
         return (0.0, 0.0, 0.0)
     return reflect(wo, h)
 
@@ -83,7 +85,7 @@ def pdf(p, wi, wo):
     density = base * wi[2] / math.pi
     h = normalize(add(wi, wo))
     cos_d = dot(wo, h)
-    if cos_d > 0.0:
+    if cos_d > GRAZING:
         n = float(p[ROUGHNESS])
         lobe = (n + 1.0) / (2.0 * math.pi) * min(1.0, h[2]) ** n
         density += (1.0 - base) * lobe / (4.0 * cos_d)
