@@ -1,1 +1,1 @@
-"""TODO."""
+"""How fast and how true: error metrics, timings, sweeps, charts and benchmarks."""

@@ -1,0 +1,306 @@
+"""`relight`: scenes, precompute, render, chart, bench, serve.
+
+Results go to standard output, progress and warnings to standard error. What Relight refuses is one
+line and status 2 where the input is to blame, 1 where it is not; there are no tracebacks.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import json
+import re
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Annotated, Any
+
+import rich.progress
+import typer
+from pydantic import ValidationError
+from rich.console import Console
+from rich.table import Table
+
+from engine.diagnosis import Diagnosis
+from engine.errors import InputError, NotFound, RelightError
+from engine.images import write_image
+from engine.measure.settings import parse_assignments, parse_value, settings_from
+from engine.methods import METHODS, prepare
+from engine.methods.base import Progress
+from engine.reference import render as render_reference
+from engine.scene.edits import Edits, apply, edited_camera, problems
+from engine.scene.open import open_scene
+from engine.scene.open import scenes as builtin_scenes
+from engine.scene.scene import Scene
+
+app = typer.Typer(
+    help="Drag a light and see the scene relit at once, shadows and indirect light included.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+out, err = Console(soft_wrap=True), Console(stderr=True, soft_wrap=True)
+
+SceneArgument = Annotated[
+    str,
+    typer.Argument(metavar="SCENE", help="a built-in scene or a scene file", show_default=False),
+]
+MethodOption = Annotated[str, typer.Option("--method", help=f"one of {', '.join(METHODS)}")]
+SetOption = Annotated[
+    list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="a setting of the method")
+]
+SizeOption = Annotated[
+    str | None, typer.Option("--size", metavar="WxH", help="pixels, in place of the scene's own")
+]
+DEFAULT_METHOD = "direct_to_indirect"
+
+
+@app.command()
+def scenes() -> None:
+    """List the built-in scenes."""
+    table = Table(box=None, show_header=False)
+    for name, summary in builtin_scenes().items():
+        table.add_row(f"[bold]{name}[/]", summary)
+    out.print(table)
+
+
+@app.command()
+def precompute(
+    scene: SceneArgument,
+    method: MethodOption = DEFAULT_METHOD,
+    set_: SetOption = None,
+    size: SizeOption = None,
+) -> None:
+    """Precompute a scene into the store; what is there already is kept."""
+    opened = _open(scene, size)
+    settings = _settings(method, set_)
+    with _bars() as progress:
+        product = prepare(opened, method, settings, progress=progress)
+    out.print(f"{method} of {opened.name}: {product.bytes / 1e6:.1f} MB")
+    for name, value in dataclasses.asdict(product.settings).items():
+        out.print(f"  {name} = {value}")
+
+
+@app.command()
+def render(
+    scene: SceneArgument,
+    to: Annotated[Path, typer.Option("--out", help="the image: .exr, .png, .jpg or .webp")],
+    method: Annotated[
+        str, typer.Option("--method", help=f"reference, or one of {', '.join(METHODS)}")
+    ] = DEFAULT_METHOD,
+    edits: Annotated[
+        Path | None, typer.Option("--edits", help="JSON: lights and so on, as in a scene, partial")
+    ] = None,
+    exposure: Annotated[float, typer.Option(min=-32, max=32, help="stops, for all but EXR")] = 0.0,
+    error: Annotated[
+        float | None, typer.Option(help="reference: stop at this relative L2 error")
+    ] = None,
+    samples: Annotated[
+        int | None, typer.Option(help="reference: stop at so many samples per pixel")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="reference: another noise")] = 0,
+    set_: SetOption = None,
+    size: SizeOption = None,
+) -> None:
+    """Render a scene under edits with a method, or with the reference path tracer."""
+    opened = _open(scene, size)
+    change = _read_edits(edits)
+    if method == "reference":
+        if set_:
+            raise InputError("the reference has no settings; it takes --error and --samples")
+        with _bars() as progress:
+            result = render_reference(
+                apply(opened, change), error=error, samples=samples, seed=seed, progress=progress
+            )
+        write_image(to, result.image, exposure)
+        out.print(
+            f"{to}: {result.samples} samples per pixel, relative error {result.error:.2%}, "
+            f"{result.seconds:.1f} s"
+        )
+        return
+    if error is not None or samples is not None:
+        raise InputError("--error and --samples are for --method reference; see --set")
+    # Another camera is another precompute, not an edit that a product could take.
+    opened = opened.with_camera(edited_camera(opened.camera, change.camera))
+    with _bars() as progress:
+        product = prepare(opened, method, _settings(method, set_), progress=progress)
+    frame = product.relight(change.model_copy(update={"camera": None}))
+    write_image(to, frame.image, exposure)
+    _warn(frame.warnings)
+    out.print(f"{to}: {1000 * frame.timings['total']:.1f} ms")
+
+
+@app.command()
+def chart(
+    scene: SceneArgument,
+    to: Annotated[Path, typer.Option("--out", help="folder for chart.svg, .png and .json")],
+    method: Annotated[
+        list[str] | None, typer.Option("--method", help="may be given more than once")
+    ] = None,
+    sweep: Annotated[
+        list[str] | None,
+        typer.Option("--sweep", metavar="KEY=A,B,...", help="values in place of the usual sweep"),
+    ] = None,
+    edits: Annotated[int, typer.Option(min=1, help="how many unseen light edits to judge on")] = 4,
+    seed: Annotated[int, typer.Option(min=0, help="draws the light edits")] = 1,
+    reference_error: Annotated[
+        float, typer.Option(min=1e-4, max=1, help="relative L2 error of the references")
+    ] = 0.01,
+    set_: SetOption = None,
+    size: SizeOption = None,
+) -> None:
+    """Chart a method's speed against its accuracy over its settings."""
+    with _chart_packages():
+        from engine.measure.chart import write_chart
+        from engine.measure.document import sweep_document
+        from engine.measure.machine import this_machine
+        from engine.measure.sweep import sweep as run_sweep
+    opened = _open(scene, size)
+    methods = [_known(name) for name in method or [DEFAULT_METHOD]]
+    with _bars() as progress:
+        result = run_sweep(
+            opened,
+            methods,
+            fixed=parse_assignments(set_ or ()),
+            knobs=_knobs(sweep),
+            edits=edits,
+            seed=seed,
+            reference_error=reference_error,
+            progress=progress,
+        )
+    for path in write_chart(sweep_document(result, this_machine()), to):
+        out.print(str(path))
+
+
+@app.command()
+def bench(
+    scenes: Annotated[
+        list[str] | None, typer.Argument(metavar="[SCENE]...", help="in place of the usual two")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="print JSON in place of a table")] = False,
+    history: Annotated[
+        Path | None, typer.Option(help="append the result to this file, one line of JSON")
+    ] = None,
+) -> None:
+    """Time precompute and frames, as ratios to this machine's bandwidth and a reference render."""
+    with _chart_packages():
+        from engine.measure.bench import SCENES
+        from engine.measure.bench import bench as run_bench
+        from engine.measure.report import bench_tables
+    with _bars() as progress:
+        document = run_bench(scenes or SCENES, progress)
+    if history is not None:
+        history.parent.mkdir(parents=True, exist_ok=True)
+        with history.open("a") as file:
+            file.write(json.dumps(document) + "\n")
+    if as_json:
+        print(json.dumps(document, indent=1))
+    else:
+        out.print(*bench_tables(document), sep="\n")
+
+
+@app.command()
+def serve(
+    scenes: Annotated[
+        list[str] | None, typer.Argument(metavar="[SCENE]...", help="the first is shown at once")
+    ] = None,
+    host: Annotated[str, typer.Option(help="address to listen at")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="0 takes a free one")] = 8000,
+) -> None:
+    """Serve the page."""
+    from server.main import serve as run
+
+    run(scenes or ["cornell-box"], host, port)
+
+
+def main() -> None:
+    """Entry point: every expected error becomes one line."""
+    try:
+        app()
+    except RelightError as error:
+        err.print(f"[bold red]relight:[/] {_line(str(error))}", highlight=False)
+        sys.exit(2 if isinstance(error, InputError | NotFound) else 1)
+
+
+def _line(text: str) -> str:
+    """Text as one line that rich takes literally."""
+    return " ".join(text.split()).replace("[", r"\[")
+
+
+def _open(source: str, size: str | None) -> Scene:
+    scene = open_scene(source)
+    _warn(scene.diagnoses)
+    if size is None:
+        return scene
+    numbers = re.fullmatch(r"(\d+)x(\d+)", size)
+    if numbers is None:
+        raise InputError(f"{size!r} is not of the form 640x480", field="size")
+    width, height = map(int, numbers.groups())
+    return scene.with_camera(edited_camera(scene.camera, {"width": width, "height": height}))
+
+
+def _known(method: str) -> str:
+    if method not in METHODS:
+        raise NotFound(f"there is no method {method!r}; there are {', '.join(METHODS)}")
+    return method
+
+
+def _settings(method: str, assignments: list[str] | None) -> Any:
+    return settings_from(METHODS[_known(method)].settings, parse_assignments(assignments or ()))
+
+
+def _knobs(sweep: list[str] | None) -> dict[str, list[Any]] | None:
+    """{"coefficients": [25, 100]} from `coefficients=25,100`."""
+    if sweep is None:
+        return None
+    texts = parse_assignments(sweep, parse=str)
+    return {name: [parse_value(part) for part in text.split(",")] for name, text in texts.items()}
+
+
+def _read_edits(path: Path | None) -> Edits:
+    if path is None:
+        return Edits()
+    try:
+        return Edits.model_validate_json(path.read_bytes())
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", file=str(path)) from None
+    except ValidationError as error:
+        problem = problems(error, "")
+        raise InputError(problem.message, field=problem.field.strip("."), file=str(path)) from None
+
+
+def _warn(diagnoses: Iterable[Diagnosis]) -> None:
+    for diagnosis in diagnoses:
+        err.print(f"[yellow]warning:[/] {_line(diagnosis.message)}", highlight=False)
+
+
+@contextlib.contextmanager
+def _bars() -> Iterator[Progress]:
+    """A bar per phase, on standard error."""
+    columns = (
+        rich.progress.TextColumn("{task.description:>24}"),
+        rich.progress.BarColumn(),
+        rich.progress.TaskProgressColumn(),
+        rich.progress.TimeElapsedColumn(),
+        rich.progress.TimeRemainingColumn(),
+    )
+    with rich.progress.Progress(*columns, console=err) as bars:
+        tasks: dict[str, rich.progress.TaskID] = {}
+
+        def progress(phase: str, done: float, total: float) -> None:
+            if phase not in tasks:
+                tasks[phase] = bars.add_task(phase)
+            # A phase that comes again, for another picture or setting, starts its bar again.
+            bars.update(tasks[phase], completed=done, total=total)
+
+        yield progress
+
+
+@contextlib.contextmanager
+def _chart_packages() -> Iterator[None]:
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        raise RelightError(
+            f"charts and benchmarks need {error.name}; please run: pip install 'relight[chart]'"
+        ) from None

@@ -1,0 +1,84 @@
+"""Timings of this machine, beside what it could do at best and what brute force would cost."""
+
+from __future__ import annotations
+
+import dataclasses
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from engine.measure.document import finite, provenance
+from engine.measure.machine import this_machine
+from engine.measure.probes import held_out_edits
+from engine.measure.sweep import median_parts, time_frames
+from engine.measure.timing import PhaseClock, stopwatch
+from engine.methods import METHODS, prepare
+from engine.methods.base import Progress, silent
+from engine.reference import render
+from engine.scene.edits import apply
+from engine.scene.open import open_scene
+from engine.scene.scene import Scene
+from engine.store import Store
+
+SCENES = ("cornell-box", "room")
+METHOD = "direct_to_indirect"
+EDITS, REPEATS = 6, 5
+REFERENCE_ERROR = 0.02
+
+
+def bench(sources: Sequence[str] = SCENES, progress: Progress = silent) -> dict[str, Any]:
+    """Precompute and frame times of every scene at the method's defaults, as JSON.
+
+    Transport is made from nothing, in a store that is thrown away.
+    """
+    machine = this_machine()
+    bandwidth = machine.memory_read_gb_s * 1e9
+    scenes = [_bench_scene(open_scene(source), bandwidth, progress) for source in sources]
+    return finite({**provenance(), "machine": machine.as_dict(), "scenes": scenes})
+
+
+def _bench_scene(scene: Scene, bandwidth: float, progress: Progress) -> dict[str, Any]:
+    settings = METHODS[METHOD].settings()
+    edits = held_out_edits(scene, EDITS, seed=1)
+    with tempfile.TemporaryDirectory(prefix="relight-bench-") as folder:
+        clock = PhaseClock(progress)
+        product: Any = None
+
+        def make() -> None:
+            nonlocal product
+            product = prepare(scene, METHOD, settings, Store(Path(folder)), clock)
+
+        precompute = stopwatch(make)
+        clock.stop()
+        frames, timing = time_frames(product, edits, REPEATS)
+
+    # Brute force gets the same job: the first of the edits, to an error that can be looked at.
+    result = render(apply(scene, edits[0]), error=REFERENCE_ERROR, progress=progress)
+    camera = scene.camera
+    return {
+        "scene": scene.name,
+        "width": camera.width,
+        "height": camera.height,
+        "triangles": len(scene.geometry.triangles),
+        "method": METHOD,
+        "settings": dataclasses.asdict(settings),
+        "precompute_seconds": precompute,
+        "phase_seconds": clock.seconds,
+        "bytes": product.bytes,
+        "frame_seconds": {
+            "median": timing.median,
+            "p95": timing.p95,
+            "parts": median_parts(frames),
+        },
+        "reference": {
+            "seconds": result.seconds,
+            "error": result.error,
+            "samples": result.samples,
+        },
+        "ratios": {
+            "memory_bandwidth_used": product.bytes / timing.median / bandwidth,
+            "reference_over_frame": result.seconds / timing.median,
+            "precompute_over_reference": precompute / result.seconds,
+        },
+    }

@@ -1,0 +1,94 @@
+"""Sweeps and benchmarks as JSON: every number with the settings, machine, date and commit."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from engine.measure.machine import Machine
+from engine.measure.points import MAIN_ERROR, Point, Sweep, pareto_front
+
+
+def provenance() -> dict[str, Any]:
+    """Version, commit (None outside a checkout) and date of what was measured."""
+    try:
+        release = version("relight")
+    except PackageNotFoundError:
+        release = None
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    return {"relight": release, "commit": _commit(), "date": now}
+
+
+def _commit() -> str | None:
+    """Short hash of the checkout, with `+` where files differ from it."""
+    git = ["git", "-C", str(Path(__file__).parent)]
+    try:
+        commit = subprocess.run(
+            [*git, "rev-parse", "--short=10", "HEAD"], capture_output=True, text=True, check=True
+        ).stdout.strip()
+        changed = subprocess.run(
+            [*git, "status", "--porcelain", "--untracked-files=no"],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return commit + ("+" if changed else "")
+
+
+def sweep_document(sweep: Sweep, machine: Machine) -> dict[str, Any]:
+    """A sweep as JSON; times in seconds, numbers that are not finite as null."""
+    front = pareto_front(sweep.points)
+    camera = sweep.scene.camera
+    document = {
+        **provenance(),
+        "machine": machine.as_dict(),
+        "scene": sweep.scene.name,
+        "width": camera.width,
+        "height": camera.height,
+        "triangles": len(sweep.scene.geometry.triangles),
+        "seed": sweep.seed,
+        "main_error": MAIN_ERROR,
+        "edge_share": sweep.edge_share,
+        "edits": [edit.model_dump(mode="json", exclude_none=True) for edit in sweep.edits],
+        "references": [
+            {"error": t.error, "seconds": t.seconds, "samples": t.samples} for t in sweep.truths
+        ],
+        "points": [_point(point, k in front) for k, point in enumerate(sweep.points)],
+    }
+    return finite(document)
+
+
+def _point(point: Point, on_front: bool) -> dict[str, Any]:
+    return {
+        "method": point.method,
+        "knob": point.knob,
+        "settings": point.settings,
+        "pareto": on_front,
+        "error": point.error,
+        "errors": point.errors,
+        "frame_seconds": {
+            "median": point.frame.median,
+            "p95": point.frame.p95,
+            "parts": point.parts,
+        },
+        "precompute_seconds": point.precompute,
+        "bytes": point.bytes,
+        "warnings": point.warnings,
+    }
+
+
+def finite(value: Any) -> Any:
+    """The document with null for infinity and NaN, which JSON has not."""
+    if isinstance(value, dict):
+        return {key: finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

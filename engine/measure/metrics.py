@@ -1,0 +1,136 @@
+"""How far a picture is from the truth, in numbers.
+
+Pictures are (h, w, 3) float32 in linear radiance. `mask` is (h, w) bool and marks the pixels that
+count. What an eye would judge (PSNR, colour difference, FLIP) is taken after the display
+transform at an exposure in stops.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import flip_evaluator
+import numpy as np
+from numpy.typing import NDArray
+from skimage.color import deltaE_ciede2000, rgb2lab
+
+from engine.errors import InputError
+from engine.numerics.display import srgb_from_linear
+
+Image = NDArray[np.float32]
+Mask = NDArray[np.bool_]
+
+
+def relative_l2(image: Image, reference: Image, mask: Mask | None = None) -> float:
+    """‖image - reference‖ / ‖reference‖ (`direct_to_indirect` §3.7), over the masked pixels.
+
+    Infinite where the reference is black and the image is not, 0 where both are.
+    """
+    a, b = _pair(image, reference, mask)
+    difference, norm = float(np.linalg.norm(a - b)), float(np.linalg.norm(b))
+    if norm == 0.0:
+        return math.inf if difference > 0.0 else 0.0
+    return difference / norm
+
+
+def rmse(image: Image, reference: Image, mask: Mask | None = None) -> float:
+    """Root of the mean squared difference, in units of radiance."""
+    a, b = _pair(image, reference, mask)
+    return math.sqrt(float(np.mean((a - b) ** 2))) if a.size else 0.0
+
+
+def psnr(image: Image, reference: Image, mask: Mask | None = None, exposure: float = 0.0) -> float:
+    """Peak signal-to-noise ratio of the displayed pictures, in decibels; infinite if equal."""
+    _pair(image, reference, mask)
+    error = rmse(_shown(image, exposure), _shown(reference, exposure), mask)
+    return -20.0 * math.log10(error) if error > 0.0 else math.inf
+
+
+def lab_difference(
+    image: Image, reference: Image, mask: Mask | None = None, exposure: float = 0.0
+) -> float:
+    """Mean CIEDE2000 difference of the displayed pictures (CIE L*a*b*, D65); 1 is just visible."""
+    _pair(image, reference, mask)
+    lab = [rgb2lab(_shown(picture, exposure)) for picture in (image, reference)]
+    difference = deltaE_ciede2000(*lab)
+    kept = difference if mask is None else difference[mask]
+    return float(kept.mean()) if kept.size else 0.0
+
+
+def flip_ldr(
+    image: Image, reference: Image, mask: Mask | None = None, exposure: float = 0.0
+) -> float:
+    """Mean LDR-FLIP of the displayed pictures, 0 to 1 (Andersson et al. 2020)."""
+    _pair(image, reference, mask)
+    return _flip(_shown(image, exposure), _shown(reference, exposure), "LDR", mask)
+
+
+def flip_hdr(image: Image, reference: Image, mask: Mask | None = None) -> float:
+    """Mean HDR-FLIP over the exposures that the reference asks for (Andersson et al. 2021).
+
+    It does not depend on a common scale, so both are brought to a brightest value of 1: the
+    evaluator ends the process where it finds the reference too dark. Against black it is 0 or 1.
+    """
+    _pair(image, reference, mask)
+    top = float(reference.max(initial=0.0))
+    if top == 0.0:
+        return float(np.any(image[mask] > 0.0))
+    a, b = (np.maximum(picture.astype(np.float64) / top, 0.0) for picture in (image, reference))
+    return _flip(a.astype(np.float32), b.astype(np.float32), "HDR", mask)
+
+
+METRICS: dict[str, Callable[..., float]] = {
+    "relative_l2": relative_l2,
+    "rmse": rmse,
+    "psnr": psnr,
+    "lab_difference": lab_difference,
+    "flip_ldr": flip_ldr,
+    "flip_hdr": flip_hdr,
+}
+"""Every metric by name; smaller is better, but for `psnr`."""
+
+
+def auto_exposure(reference: Image) -> float:
+    """Stops that bring the 99th percentile of the largest channel to 1; 0 for a black picture."""
+    bright = float(np.percentile(reference.max(axis=2), 99))
+    return -math.log2(bright) if bright > 0.0 else 0.0
+
+
+def all_metrics(image: Image, reference: Image, mask: Mask) -> dict[str, float]:
+    """Every metric without the masked-out pixels, and `relative_l2_everywhere` with them."""
+    exposure = auto_exposure(reference)
+    shown = {"psnr", "lab_difference", "flip_ldr"}
+    figures = {
+        name: metric(image, reference, mask, *([exposure] if name in shown else []))
+        for name, metric in METRICS.items()
+    }
+    return {**figures, "relative_l2_everywhere": relative_l2(image, reference)}
+
+
+def _shown(image: Image, exposure: float) -> NDArray[np.float32]:
+    """sRGB signal in [0, 1], not yet rounded to bytes."""
+    return srgb_from_linear(2.0**exposure * image.astype(np.float64)).astype(np.float32)
+
+
+def _pair(image: Image, reference: Image, mask: Mask | None) -> tuple[NDArray, NDArray]:
+    """Both as float64, masked; raises InputError where they cannot be compared."""
+    if image.shape != reference.shape or (mask is not None and mask.shape != image.shape[:2]):
+        shapes = f"{image.shape} and {reference.shape}, mask {mask if mask is None else mask.shape}"
+        raise InputError(f"pictures of different shapes: {shapes}")
+    if not (np.isfinite(image).all() and np.isfinite(reference).all()):
+        raise InputError("a picture holds NaN or infinity")
+    a, b = image.astype(np.float64), reference.astype(np.float64)
+    return (a, b) if mask is None else (a[mask], b[mask])
+
+
+def _flip(image: Image, reference: Image, dynamic_range: str, mask: Mask | None) -> float:
+    error, _, _ = flip_evaluator.evaluate(
+        np.ascontiguousarray(reference, np.float32),
+        np.ascontiguousarray(image, np.float32),
+        dynamic_range,
+        applyMagma=False,
+    )
+    error = error.reshape(image.shape[:2])
+    kept = error if mask is None else error[mask]
+    return float(kept.mean()) if kept.size else 0.0

@@ -1,0 +1,106 @@
+"""Light edits that no precompute has seen: the same seed draws the same ones.
+
+They take turns: a sharp spot on something that the camera sees (the hard case of
+`direct_to_indirect` §3.7), a bare point light, and one of the scene's own lights moved while the
+others stay.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.errors import SceneError
+from engine.light.base import Light
+from engine.scene.edits import Edits
+from engine.scene.scene import Scene
+
+CONE_DEGREES, PENUMBRA_DEGREES = 20.0, 2.0
+TRIES = 1000
+Position = tuple[float, float, float]
+
+
+def held_out_edits(scene: Scene, count: int, seed: int) -> list[Edits]:
+    """`count` light edits; raises SceneError where the camera sees nothing."""
+    rng = np.random.default_rng(seed)
+    movable = [light for light in scene.lights if light.enabled and _has_position(light)]
+    off = [{"id": light.id, "enabled": False} for light in scene.lights]
+    edits = []
+    for k in range(count):
+        target, position = _seen_point(scene, rng)
+        if k % 3 == 2 and movable:
+            light = movable[k // 3 % len(movable)]
+            edits.append(Edits(lights=[{"id": light.id, "position": position}]))
+        elif k % 3 == 1:
+            edits.append(Edits(lights=[*off, _probe(scene, "point", position)]))
+        else:
+            aim = {
+                "target": target,
+                "cone_degrees": CONE_DEGREES,
+                "penumbra_degrees": PENUMBRA_DEGREES,
+            }
+            edits.append(Edits(lights=[*off, {**_probe(scene, "spot", position), **aim}]))
+    return edits
+
+
+def _has_position(light: Light) -> bool:
+    return "position" in type(light).model_fields
+
+
+def _probe(scene: Scene, kind: str, position: Position) -> dict[str, Any]:
+    """A white light that gives an irradiance of about 1 across the scene."""
+    intensity = (scene.diagonal / 2) ** 2
+    return {"id": "probe", "type": kind, "position": position, "intensity": (intensity,) * 3}
+
+
+def _seen_point(scene: Scene, rng: np.random.Generator) -> tuple[Position, Position]:
+    """(a point that the camera sees, a place in the open from which it can be lit).
+
+    The place lies between a visible point and what another ray from there meets, so it is in the
+    same room and inside nothing.
+    """
+    camera = scene.camera
+    for _ in range(TRIES):
+        x, y = rng.uniform(0, camera.width, 1), rng.uniform(0, camera.height, 1)
+        seen = _cast(scene, np.array(camera.position), camera.directions(x, y)[0])
+        side = _random_direction(rng)
+        share, reach = rng.uniform(0.3, 0.7), scene.diagonal / 2
+        if seen is None:
+            continue
+        point, toward_eye = seen
+        if side @ toward_eye < 0:
+            side = -side
+        other = _cast(scene, point + 4 * scene.rays.epsilon * toward_eye, side)
+        if other is not None:
+            reach = min(reach, float(np.linalg.norm(other[0] - point)))
+        if reach > 0.05 * scene.diagonal:
+            place = point + share * reach * side
+            return _rounded(point), _rounded(place)
+    raise SceneError("the camera sees nothing that could be lit")
+
+
+def _cast(scene: Scene, origin: NDArray, direction: NDArray) -> tuple[NDArray, NDArray] | None:
+    """(point hit, unit normal against the direction), or None."""
+    hits = scene.rays.intersect(
+        np.ascontiguousarray(origin[None], np.float32),
+        np.ascontiguousarray(direction[None], np.float32),
+    )
+    if hits.triangle[0] < 0:
+        return None
+    a, b, c = scene.geometry.positions[scene.geometry.triangles[hits.triangle[0]]].astype(float)
+    normal = np.cross(b - a, c - a)
+    normal /= np.linalg.norm(normal)
+    point = origin + float(hits.distance[0]) * direction.astype(float)
+    return point, -normal if normal @ direction > 0 else normal
+
+
+def _random_direction(rng: np.random.Generator) -> NDArray:
+    direction = rng.normal(size=3)
+    return direction / np.linalg.norm(direction)
+
+
+def _rounded(point: NDArray) -> Position:
+    x, y, z = (round(float(c), 4) for c in point)
+    return x, y, z

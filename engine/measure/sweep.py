@@ -1,0 +1,155 @@
+"""Speed against accuracy: every setting of a method swept, frame time and error recorded.
+
+Settings are swept one at a time from the method's defaults, so that each line of the chart tells
+what one of them buys. Every point is a fresh precompute, judged on light edits that it has not
+seen against references of the path tracer, which the store keeps.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import tempfile
+from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from engine.measure.edges import scene_edges
+from engine.measure.metrics import all_metrics
+from engine.measure.points import Point, Sweep
+from engine.measure.probes import held_out_edits
+from engine.measure.settings import settings_from
+from engine.measure.timing import Timing, repeat, stopwatch
+from engine.measure.truth import Truth, truth
+from engine.methods import METHODS, prepare
+from engine.methods.base import Frame, Product, Progress, silent
+from engine.scene.edits import Edits
+from engine.scene.scene import Scene
+from engine.store import Store
+
+SWEEPS: dict[str, dict[str, tuple[Any, ...]]] = {
+    "direct_to_indirect": {
+        "coefficients": (25, 50, 100, 200, 400),
+        "gather_samples": (4096, 16384, 65536, 262144),
+        "bounces": (1, 2, 3, 4),
+    },
+}
+"""Per method: the settings to sweep and their values."""
+
+REPEATS = 5
+
+
+def variants(
+    method: str, fixed: Mapping[str, Any], knobs: Mapping[str, Sequence[Any]] | None = None
+) -> list[tuple[str, Any]]:
+    """(swept setting, settings) of every point; the defaults first, no settings twice."""
+    kind = METHODS[method].settings
+    base = settings_from(kind, fixed)
+    found: list[tuple[str, Any]] = [("", base)]
+    for knob, values in (SWEEPS.get(method, {}) if knobs is None else knobs).items():
+        for value in values:
+            settings = settings_from(kind, {**fixed, knob: value})
+            if settings not in [other for _, other in found]:
+                found.append((knob, settings))
+    return found
+
+
+def sweep(
+    scene: Scene,
+    methods: Sequence[str],
+    *,
+    fixed: Mapping[str, Any] | None = None,
+    knobs: Mapping[str, Sequence[Any]] | None = None,
+    edits: int = 4,
+    seed: int = 1,
+    reference_error: float = 0.01,
+    store: Store | None = None,
+    progress: Progress = silent,
+) -> Sweep:
+    """Measure every variant of every method on a scene.
+
+    fixed            settings that hold for every point
+    knobs            what to sweep in place of SWEEPS
+    edits            how many light edits to judge on
+    reference_error  relative L2 error that the references are rendered to
+    store            where references are kept
+    """
+    held_out = held_out_edits(scene, edits, seed)
+    truths = []
+    for number, edit in enumerate(held_out):
+        progress("references", number, edits)
+        truths.append(truth(scene, edit, reference_error, store or Store(), progress))
+    kept = ~scene_edges(scene)
+
+    todo = [(m, knob, s) for m in methods for knob, s in variants(m, fixed or {}, knobs)]
+    points = []
+    for number, (method, knob, settings) in enumerate(todo):
+        progress("settings", number, len(todo))
+        points.append(_point(scene, method, knob, settings, held_out, truths, kept, progress))
+    progress("settings", len(todo), len(todo))
+    return Sweep(scene, held_out, truths, float(1.0 - kept.mean()), points, seed)
+
+
+def _point(
+    scene: Scene,
+    method: str,
+    knob: str,
+    settings: Any,
+    edits: list[Edits],
+    truths: list[Truth],
+    kept: np.ndarray,
+    progress: Progress,
+) -> Point:
+    with tempfile.TemporaryDirectory(prefix="relight-sweep-") as folder:
+        product: Product | None = None
+
+        def make() -> None:
+            nonlocal product
+            product = prepare(scene, method, settings, Store(Path(folder)), progress)
+
+        seconds = stopwatch(make)
+        assert product is not None
+        frames, timing = time_frames(product, edits, REPEATS)
+        errors = [
+            all_metrics(frame.image, truth.image, kept)
+            for frame, truth in zip(frames, truths, strict=True)
+        ]
+        return Point(
+            method=method,
+            knob=knob,
+            settings=dataclasses.asdict(settings),
+            error={name: float(np.mean([e[name] for e in errors])) for name in errors[0]},
+            errors=errors,
+            frame=timing,
+            parts=median_parts(frames),
+            bytes=product.bytes,
+            precompute=seconds,
+            warnings=sorted({w.message for frame in frames for w in frame.warnings}),
+        )
+
+
+def time_frames(
+    product: Product, edits: Sequence[Edits], repeats: int
+) -> tuple[list[Frame], Timing]:
+    """The last frame of every edit, and the time of all calls; each edit is warmed up once."""
+    frames: list[Frame] = []
+    seconds: tuple[float, ...] = ()
+    for edit in edits:
+        made: list[Frame] = []
+        seconds += repeat(partial(_relight, product, edit, made), repeats).seconds
+        frames.append(made[-1])
+    return frames, Timing(seconds)
+
+
+def _relight(product: Product, edit: Edits, made: list[Frame]) -> None:
+    made[:] = [product.relight(edit)]
+
+
+def median_parts(frames: Sequence[Frame]) -> dict[str, float]:
+    """Median seconds of every part that the frames report."""
+    names = dict.fromkeys(name for frame in frames for name in frame.timings)
+    return {
+        name: float(np.median([frame.timings.get(name, 0.0) for frame in frames])) for name in names
+    }
