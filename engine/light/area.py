@@ -2,6 +2,10 @@
 
 Every point of the side that the normal leaves emits the same radiance in every direction. The
 lamp is no part of the geometry: it casts no shadow and reflects nothing.
+
+It is sampled evenly over the solid angle it fills (Ureña, Fajardo, King 2013, *An Area-Preserving
+Parametrization for Spherical Rectangles*), so that a sample never weighs more than 2π L, however
+near the lamp is.
 """
 
 from __future__ import annotations
@@ -17,6 +21,8 @@ from pydantic import Field, model_validator
 from engine.light.base import DIRECTION, EXTRA, INTENSITY, POSITION, ROW, Light, unit
 from engine.numerics.description import Point
 
+NEAREST = 1e-9  # metres in front of the lamp, below which x lies in its plane and gets nothing
+SMALL = 1e-6  # steradians below which the difference of angles loses its digits
 Size = Annotated[float, Field(ge=1e-4, le=1e6)]
 
 
@@ -61,20 +67,77 @@ class AreaLight(Light):
 
 
 @njit
+def _seen(p, x):
+    """(x0, x1, y0, y1, z): the rectangle's sides and how far x is in front of it.
+
+    In the rectangle's own axes, with x at the origin; z ≤ 0 where x is behind.
+    """
+    cx, cy, cz = p[0] - x[0], p[1] - x[1], p[2] - x[2]
+    a = cx * p[9] + cy * p[10] + cz * p[11]
+    b = cx * p[12] + cy * p[13] + cz * p[14]
+    z = -(cx * p[3] + cy * p[4] + cz * p[5])
+    return a - p[15], a + p[15], b - p[16], b + p[16], z
+
+
+@njit
+def _angles(x0, x1, y0, y1, z):
+    """(solid angle, k, b0, b1) of Ureña, Fajardo, King 2013, §4.
+
+    The solid angle is the sum of the spherical rectangle's four inner angles less 2π. The planes
+    through the origin and the sides have normals along (0, z, y0), (z, 0, x1), (0, z, y1),
+    (z, 0, x0), up to sign.
+    """
+    n0, n2 = math.sqrt(z * z + y0 * y0), math.sqrt(z * z + y1 * y1)
+    n1, n3 = math.sqrt(z * z + x1 * x1), math.sqrt(z * z + x0 * x0)
+    g0 = math.acos(max(-1.0, min(1.0, y0 * x1 / (n0 * n1))))
+    g1 = math.acos(max(-1.0, min(1.0, -x1 * y1 / (n1 * n2))))
+    g2 = math.acos(max(-1.0, min(1.0, y1 * x0 / (n2 * n3))))
+    g3 = math.acos(max(-1.0, min(1.0, -x0 * y0 / (n3 * n0))))
+    k = 2.0 * math.pi - g2 - g3
+    return g0 + g1 - k, k, -y0 / n0, y1 / n2
+
+
+@njit
+def _point(x0, x1, y0, y1, z, k, solid, b0, b1, u1, u2):
+    """(a, b) on the rectangle, uniform over its solid angle (ibid., §4.1 and §4.2)."""
+    # The column: its part of the solid angle grows evenly with u1.
+    phi = u1 * solid + k
+    s, f = math.sin(phi), math.cos(phi) * b0 - b1
+    c = math.copysign(s / max(1e-30, math.sqrt(f * f + b0 * b0 * s * s)), s * f)
+    c = max(-1.0, min(1.0, c))
+    a = max(x0, min(x1, c * z / math.sqrt(max(1e-30, 1.0 - c * c))))
+    # The height in it: the sine of its elevation grows evenly with u2.
+    d2 = a * a + z * z
+    h0, h1 = y0 / math.sqrt(d2 + y0 * y0), y1 / math.sqrt(d2 + y1 * y1)
+    h = h0 + u2 * (h1 - h0)
+    b = max(y0, min(y1, h * math.sqrt(d2 / max(1e-30, 1.0 - h * h))))
+    return a, b
+
+
+@njit
 def illuminate(p, x, u1, u2):
-    """Uniform over the area: L · area · cos θ_light / r²."""
-    a, b = (2.0 * u1 - 1.0) * p[15], (2.0 * u2 - 1.0) * p[16]
-    dx = p[0] + a * p[9] + b * p[12] - x[0]
-    dy = p[1] + a * p[10] + b * p[13] - x[1]
-    dz = p[2] + a * p[11] + b * p[14] - x[2]
-    r2 = dx * dx + dy * dy + dz * dz
-    if r2 < 1e-20:
+    """Uniform over the solid angle, L · solid angle; from far away over the area instead."""
+    x0, x1, y0, y1, z = _seen(p, x)
+    if z < NEAREST:
         return (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
-    r = math.sqrt(r2)
-    wx, wy, wz = dx / r, dy / r, dz / r
-    cos_light = -(wx * p[3] + wy * p[4] + wz * p[5])
-    k = max(0.0, cos_light) * p[17] / r2
-    return (wx, wy, wz, r, p[6] * k, p[7] * k, p[8] * k)
+    solid, k, b0, b1 = _angles(x0, x1, y0, y1, z)
+    far = solid < SMALL
+    if far:
+        a, b = x0 + u1 * (x1 - x0), y0 + u2 * (y1 - y0)
+    else:
+        a, b = _point(x0, x1, y0, y1, z, k, solid, b0, b1, u1, u2)
+    r = math.sqrt(a * a + b * b + z * z)
+    weight = p[17] * z / (r * r * r) if far else solid
+    a, b, c = a / r, b / r, z / r
+    return (
+        a * p[9] + b * p[12] - c * p[3],
+        a * p[10] + b * p[13] - c * p[4],
+        a * p[11] + b * p[14] - c * p[5],
+        r,
+        p[6] * weight,
+        p[7] * weight,
+        p[8] * weight,
+    )
 
 
 @njit
@@ -97,11 +160,17 @@ def _hit(p, o, d):
 
 @njit
 def pdf(p, x, w):
-    """r² / (area · cos θ_light)."""
+    """1 / solid angle; r² / (area · cos θ_light) from far away."""
     t, facing = _hit(p, x, w)
     if t <= 0.0:
         return 0.0
-    return t * t / (p[17] * facing)
+    x0, x1, y0, y1, z = _seen(p, x)
+    if z < NEAREST:
+        return 0.0
+    solid, _, _, _ = _angles(x0, x1, y0, y1, z)
+    if solid < SMALL:
+        return t * t / (p[17] * facing)
+    return 1.0 / solid
 
 
 @njit
