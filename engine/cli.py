@@ -205,12 +205,17 @@ def serve(
         list[str] | None, typer.Argument(metavar="[SCENE]...", help="the first is shown at once")
     ] = None,
     host: Annotated[str, typer.Option(help="address to listen at")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(min=0, max=65535, help="0 takes a free one")] = 8000,
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, help="this or the next free one; 0 takes any")
+    ] = 8000,
+    open_browser: Annotated[
+        bool, typer.Option("--open", help="open the page in a browser")
+    ] = False,
 ) -> None:
     """Serve the page."""
     from server.main import serve as run
 
-    run(scenes or ["cornell-box"], host, port)
+    run(scenes or ["cornell-box"], host, port, open_browser=open_browser)
 
 
 def main() -> None:

@@ -47,7 +47,9 @@ def _bench_scene(scene: Scene, bandwidth: float, progress: Progress) -> dict[str
 
         def make() -> None:
             nonlocal product
-            product = prepare(scene, METHOD, settings, Store(Path(folder)), clock)
+            product = prepare(
+                scene, METHOD, settings, store=Store(Path(folder)), progress=clock
+            )
 
         precompute = stopwatch(make)
         clock.stop()

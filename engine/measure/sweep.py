@@ -107,7 +107,9 @@ def _point(
 
         def make() -> None:
             nonlocal product
-            product = prepare(scene, method, settings, Store(Path(folder)), progress)
+            product = prepare(
+                scene, method, settings, store=Store(Path(folder)), progress=progress
+            )
 
         seconds = stopwatch(make)
         assert product is not None

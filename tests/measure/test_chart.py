@@ -87,8 +87,8 @@ def test_the_files_of_a_chart(tmp_path: Path) -> None:
     texts = "".join(ElementTree.parse(paths[0]).getroot().itertext())
     for words in (
         "coefficients = 400",
-        "gather_samples = 64K",
-        "4K",
+        "gather_samples = 4K",
+        "defaults",
         "25",
         "Pareto front",
         "noise of the references",

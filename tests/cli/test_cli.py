@@ -1,0 +1,192 @@
+"""The command line as a person types it: what it prints, writes and returns."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from engine.images import read_image
+from engine.scene.open import scenes
+
+SMALL = ["--set", "gather_samples=1024", "--set", "coefficients=20"]
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("store")
+
+
+class Relight:
+    """Runs `relight` in a process of its own, with a store of its own."""
+
+    def __init__(self, store: Path, folder: Path) -> None:
+        self.store, self.folder = store, folder
+
+    def __call__(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+        import os
+
+        return subprocess.run(
+            [sys.executable, "-c", "from engine.cli import main; main()", *arguments],
+            cwd=self.folder,
+            env={**os.environ, "RELIGHT_STORE": str(self.store), "COLUMNS": "120", "NO_COLOR": "1"},
+            capture_output=True,
+            text=True,
+            stdin=subprocess.DEVNULL,
+            timeout=300,
+        )
+
+    def fails(self, status: int, *arguments: str) -> str:
+        """The one line that it says."""
+        run = self(*arguments)
+        assert run.returncode == status, run.stderr
+        assert run.stdout == ""
+        lines = run.stderr.strip().splitlines()
+        assert len(lines) == 1, run.stderr
+        assert lines[0].startswith("relight: ")
+        return lines[0]
+
+
+@pytest.fixture
+def relight(store: Path, tmp_path: Path) -> Relight:
+    return Relight(store, tmp_path)
+
+
+def test_scenes_lists_what_is_built_in(relight: Relight) -> None:
+    run = relight("scenes")
+    assert run.returncode == 0
+    for name, summary in scenes().items():
+        assert name in run.stdout
+        assert summary in run.stdout
+
+
+def test_help_names_every_verb(relight: Relight) -> None:
+    run = relight("--help")
+    assert run.returncode == 0
+    for verb in ("scenes", "precompute", "render", "chart", "bench", "serve"):
+        assert verb in run.stdout
+
+
+def test_precompute_then_render_under_edits(relight: Relight) -> None:
+    run = relight("precompute", "cornell-box", "--size", "48x40", *SMALL)
+    assert run.returncode == 0, run.stderr
+    assert "coefficients = 20" in run.stdout
+    files = {p: p.stat().st_mtime_ns for p in relight.store.rglob("*") if p.is_file()}
+    assert files
+
+    edits = {"lights": [{"id": "key", "position": [0.2, 0.4, 0.1]}]}
+    (relight.folder / "edits.json").write_text(json.dumps(edits))
+    pictures = []
+    for name, more in (("plain.exr", []), ("moved.exr", ["--edits", "edits.json"])):
+        run = relight("render", "cornell-box", "--size", "48x40", *SMALL, "--out", name, *more)
+        assert run.returncode == 0, run.stderr
+        pictures.append(read_image(relight.folder / name))
+    plain, moved = pictures
+    assert plain.shape == (40, 48, 3)
+    assert np.isfinite(plain).all()
+    assert plain.mean() > 0
+    assert np.abs(plain - moved).max() > 0.01 * plain.max()
+    # What precompute had stored was used as it was.
+    assert {p: p.stat().st_mtime_ns for p in files} == files
+
+
+def test_reference_render(relight: Relight) -> None:
+    run = relight(
+        "render",
+        "cornell-box",
+        "--method",
+        "reference",
+        "--size",
+        "32x32",
+        "--samples",
+        "16",
+        "--out",
+        "truth.png",
+        "--exposure",
+        "1",
+    )
+    assert run.returncode == 0, run.stderr
+    assert "16 samples per pixel" in run.stdout
+    assert read_image(relight.folder / "truth.png").shape == (32, 32, 3)
+
+
+def test_another_camera_is_another_precompute(relight: Relight) -> None:
+    (relight.folder / "edits.json").write_text('{"camera": {"fov_y_degrees": 20}}')
+    for name, more in (("a.exr", []), ("b.exr", ["--edits", "edits.json"])):
+        run = relight("render", "cornell-box", "--size", "24x24", *SMALL, "--out", name, *more)
+        assert run.returncode == 0, run.stderr
+    a, b = (read_image(relight.folder / name) for name in ("a.exr", "b.exr"))
+    assert np.abs(a - b).max() > 0.01 * a.max()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["render", "no-such-scene", "--out", "x.exr"], "no-such-scene"),
+        (["render", "cornell-box", "--out", "x.tiff"], "x.tiff"),
+        (["render", "cornell-box", "--size", "16", "--out", "x.exr"], "size: '16'"),
+        (["render", "cornell-box", "--size", "0x16", "--out", "x.exr"], "camera.width"),
+        (["render", "cornell-box", "--method", "magic", "--out", "x.exr"], "'magic'"),
+        (["precompute", "cornell-box", "--set", "coefficient=3"], "coefficient: no such setting"),
+        (["precompute", "cornell-box", "--set", "coefficients=lots"], "coefficients: 'lots'"),
+        (["precompute", "cornell-box", "--set", "coefficients"], "key=value"),
+        (["render", "cornell-box", "--edits", "none.json", "--out", "x.exr"], "none.json"),
+        (["render", "cornell-box", "--edits", "broken.json", "--out", "x.exr"], "broken.json"),
+        (["render", "cornell-box", "--edits", "unknown.json", "--out", "x.exr"], "sun"),
+        (["render", "cornell-box", "--error", "0.1", "--out", "x.exr"], "--method reference"),
+        (["chart", "cornell-box", "--sweep", "bounce=1,2", "--out", "c"], "bounce"),
+    ],
+)
+def test_what_is_wrong_is_said_in_a_line(
+    relight: Relight, arguments: list[str], message: str
+) -> None:
+    (relight.folder / "broken.json").write_text("{")
+    (relight.folder / "unknown.json").write_text('{"sun": {}}')
+    assert message in relight.fails(2, *arguments)
+
+
+def test_wrong_usage_has_status_2(relight: Relight) -> None:
+    run = relight("render", "cornell-box")
+    assert run.returncode == 2
+    assert "--out" in run.stderr
+    assert "Traceback" not in run.stderr
+
+
+def test_chart_of_a_small_sweep(relight: Relight) -> None:
+    run = relight(
+        "chart",
+        "cornell-box",
+        "--method",
+        "direct_to_indirect",
+        "--size",
+        "40x40",
+        "--set",
+        "gather_samples=1024",
+        "--sweep",
+        "coefficients=4,64",
+        "--edits",
+        "2",
+        "--reference-error",
+        "0.2",
+        "--out",
+        "chart",
+    )
+    assert run.returncode == 0, run.stderr
+    folder = relight.folder / "chart"
+    assert {path.name for path in folder.iterdir()} == {"chart.svg", "chart.png", "chart.json"}
+    document = json.loads((folder / "chart.json").read_text())
+    points = document["points"]
+    assert [p["settings"]["coefficients"] for p in points[1:]] == [4, 64]
+    assert all(p["settings"]["gather_samples"] == 1024 for p in points)
+    assert any(p["pareto"] for p in points)
+    for p in points:
+        assert p["bytes"] > 0
+        assert p["precompute_seconds"] > 0
+        assert 0 < p["error"]["relative_l2"] < 2
+        assert len(p["errors"]) == len(document["edits"]) == len(document["references"]) == 2
+    assert points[1]["bytes"] < points[2]["bytes"]
+    assert document["machine"]["memory_read_gb_s"] > 0
