@@ -10,7 +10,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba.core import cgutils, types
+from numba.core import cgutils
+from numba.core.types.containers import BaseTuple
+from numba.core.types.npytypes import Array
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array
 
@@ -26,12 +28,12 @@ def borrow(typing_context: Any, value: Any) -> Any:
 
 
 def _disown(context: Any, builder: Any, kind: Any, value: Any) -> Any:
-    if isinstance(kind, types.Array):
+    if isinstance(kind, Array):
         array = make_array(kind)(context, builder, value)
         array.meminfo = cgutils.get_null_value(array.meminfo.type)
         array.parent = cgutils.get_null_value(array.parent.type)
         return array._getvalue()
-    if isinstance(kind, types.BaseTuple):
+    if isinstance(kind, BaseTuple):
         for k, inner in enumerate(kind.types):
             part = builder.extract_value(value, k)
             value = builder.insert_value(value, _disown(context, builder, inner, part), k)

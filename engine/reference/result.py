@@ -90,12 +90,18 @@ def reference(
     rays: int,
 ) -> Reference:
     """The picture of (pixels, 12) sums."""
-    shape = (height, width, 3)
     image, variance = mean_and_variance(sums[:, :6], samples)
     indirect, indirect_variance = mean_and_variance(sums[:, 6:], samples)
-    pictures = (image, variance, image - indirect, indirect, indirect_variance)
+
+    def picture(values: NDArray[np.float64]) -> NDArray[np.float32]:
+        return values.astype(np.float32).reshape(height, width, 3)
+
     return Reference(
-        *(p.astype(np.float32).reshape(shape) for p in pictures),
+        image=picture(image),
+        variance=picture(variance),
+        direct=picture(image - indirect),
+        indirect=picture(indirect),
+        indirect_variance=picture(indirect_variance),
         samples=samples,
         seconds=seconds,
         rays=rays,
