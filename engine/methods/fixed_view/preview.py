@@ -1,0 +1,34 @@
+"""Direct light alone: the picture that needs no precompute, shown until there is a better one."""
+
+from __future__ import annotations
+
+import time
+
+from engine.diagnosis import Diagnosis
+from engine.errors import EditNotSupported
+from engine.methods.base import Frame
+from engine.methods.fixed_view.view import View
+from engine.scene.edits import Edits, edited_lights
+from engine.scene.scene import Scene
+
+PENDING = Diagnosis(
+    "indirect_pending",
+    "Only direct light is shown: the indirect light of this view has not been precomputed yet.",
+)
+
+
+class DirectPreview:
+    """A view that is ready in about a second; takes edits of lights."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Builds the deep frame-buffer."""
+        self.view = View(scene)
+
+    def relight(self, edits: Edits, scale: int = 1) -> Frame:
+        """The picture in direct light; see `engine.methods.base.Product.relight`."""
+        start = time.perf_counter()
+        for key in sorted(edits.touched() - {"lights"}):
+            raise EditNotSupported("the preview takes edits of lights only", field=key)
+        lights = edited_lights(self.view.scene.lights, edits.lights)
+        image = self.view.direct(lights, scale).reshape(*self.view.shape(scale), 3)
+        return Frame(image, {"total": time.perf_counter() - start}, (PENDING,))

@@ -1,0 +1,174 @@
+"""The direct light of one scene through one camera: what every fixed-view method starts from."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from engine.backend.cpu.environment import environment_on_points
+from engine.brdf import albedo
+from engine.light import environment as environments
+from engine.light import table as lights
+from engine.light.base import Light
+from engine.light.environment import environment_table
+from engine.light.table import light_table
+from engine.methods.fixed_view import frame_buffer
+from engine.methods.fixed_view.direct import LightPictures, light_on_pixels, light_on_points
+from engine.methods.fixed_view.frame_buffer import SUBSAMPLES, FrameBuffer, Points
+from engine.numerics.parallel import for_ranges
+from engine.numerics.vec import vec
+from engine.scene.scene import Scene
+
+emitted_by = lights.emitted
+ENVIRONMENT_SAMPLES = 32
+ALBEDO_POINTS = 64
+
+
+class View:
+    """A scene, its deep frame-buffer, and the direct light on it."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Casts the primary rays: well under a second per half million pixels."""
+        self.scene = scene
+        self.buffer: FrameBuffer = frame_buffer.build(scene)
+        self.pictures = LightPictures()
+        width, height = scene.camera.width, scene.camera.height
+        grid = np.arange(width * height).reshape(height, width)
+        self._coarse = self.buffer.centre.take(np.ascontiguousarray(grid[::2, ::2]).ravel())
+
+    def shape(self, scale: int) -> tuple[int, int]:
+        """(height, width) of a picture of every scale-th pixel."""
+        camera = self.scene.camera
+        return -(-camera.height // scale), -(-camera.width // scale)
+
+    def points(self, scale: int) -> Points:
+        """The pixels' centres; scale 1 or 2."""
+        return self.buffer.centre if scale == 1 else self._coarse
+
+    def direct(self, on: tuple[Light, ...], scale: int) -> NDArray[np.float32]:
+        """Direct radiance (n, 3) float32: lights, environment, emission, background.
+
+        At scale 1 it is antialiased, at scale 2 it has one sample per pixel.
+        """
+        rays, points = self.scene.rays, self.points(scale)
+        if scale == 1:
+            out = self.pictures.total(
+                1, on, lambda light: light_on_pixels(rays, self.buffer, light), len(points)
+            )
+        else:
+            out = self.pictures.total(
+                2, on, lambda light: light_on_points(rays, points, light), len(points)
+            )
+        out += self.standing if scale == 1 else self._coarse_standing
+        for light in on:
+            if light.enabled and light.has_extent:
+                self._show_light(light, scale, out)
+        return out
+
+    @cached_property
+    def standing(self) -> NDArray[np.float32]:
+        """What no light edit changes, (n, 3) float32: environment, emission, background."""
+        out = self._standing_of(self.buffer.centre)
+        sub = self._standing_of(self.buffer.sub)
+        out[self.buffer.edge] = sub.reshape(-1, 4, 3).mean(axis=1)
+        return out
+
+    @cached_property
+    def _coarse_standing(self) -> NDArray[np.float32]:
+        camera = self.scene.camera
+        image = self.standing.reshape(camera.height, camera.width, 3)
+        return np.ascontiguousarray(image[::2, ::2]).reshape(-1, 3)
+
+    def _standing_of(self, points: Points) -> NDArray[np.float32]:
+        table = environment_table(self.scene.environment)
+        out = environment_on_points(
+            self.scene.rays, points.position, points.normal, points.geometric, points.view,
+            points.model, points.row, table, ENVIRONMENT_SAMPLES, 7,
+        )  # fmt: skip
+        hit = points.model >= 0
+        out[hit] += self.scene.material_table.emission[points.material[hit]]
+        for_ranges(_background, len(points), points.model, points.view, table, out)
+        return out
+
+    def _show_light(self, light: Light, scale: int, out: NDArray[np.float32]) -> None:
+        table = light_table([light])
+        points, camera = self.points(scale), self.scene.camera
+        height, width = self.shape(scale)
+        offsets = SUBSAMPLES if scale == 1 else np.zeros((1, 2))
+        for_ranges(
+            _lamp, len(points), table.kind[0], table.row[0], np.asarray(camera.position, np.float32),
+            points.view, points.position, points.model, width, offsets, out,
+        )  # fmt: skip
+
+    @cached_property
+    def reflectance(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Directional albedo (n, 3) of the pixels' centres, and (4m, 3) of the sub-samples.
+
+        Indirect light meets it as if it were diffuse: `k_d` of Hašan et al. 2006, eq. 5, with the
+        gloss counted in, which keeps its energy and loses its direction.
+        """
+        return _directional_albedo(self.buffer.centre), _directional_albedo(self.buffer.sub)
+
+
+def _directional_albedo(points: Points) -> NDArray[np.float32]:
+    out = points.row[:, :3].copy()
+    out[points.model < 0] = 0
+    glossy = np.flatnonzero((points.row[:, 3:6].max(axis=1, initial=0) > 0) & (points.model >= 0))
+    cosine = np.einsum("ij,ij->i", points.view[glossy], points.normal[glossy])
+    wo = np.zeros((len(glossy), 3))
+    wo[:, 2] = np.clip(cosine, 1e-3, 1)
+    wo[:, 0] = np.sqrt(1 - wo[:, 2] ** 2)
+    if len(glossy):
+        out[glossy] = albedo(points.model[glossy], points.row[glossy], wo, ALBEDO_POINTS)
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _background(start, stop, model, view, table, out):
+    for i in range(start, stop):
+        if model[i] < 0:
+            v = vec(view, i)
+            e = environments.radiance(table, (-v[0], -v[1], -v[2]))
+            for k in range(3):
+                out[i, k] = e[k]
+
+
+@njit(cache=True, nogil=True)
+def _lamp(start, stop, kind, row, eye, view, position, model, width, offsets, out):
+    """Put the picture of a light with extent over what lies behind it."""
+    n = view.shape[0]
+    e = (float(eye[0]), float(eye[1]), float(eye[2]))
+    samples = offsets.shape[0]
+    for i in range(start, stop):
+        v = vec(view, i)
+        right = i + 1 if (i + 1) % width else i - 1
+        below = i + width if i + width < n else i - width
+        far = 1e30
+        if model[i] >= 0:
+            far = 0.0
+            for k in range(3):
+                far += (position[i, k] - e[k]) * -v[k]
+        covered = 0.0
+        r = g = b = 0.0
+        for s in range(samples):
+            a, c = offsets[s, 0], offsets[s, 1]
+            d0, d1, d2 = -v[0], -v[1], -v[2]
+            if width > 1 and a != 0.0:
+                d0 -= a * (view[right, 0] - v[0])
+                d1 -= a * (view[right, 1] - v[1])
+                d2 -= a * (view[right, 2] - v[2])
+            if n > width and c != 0.0:
+                d0 -= c * (view[below, 0] - v[0])
+                d1 -= c * (view[below, 1] - v[1])
+                d2 -= c * (view[below, 2] - v[2])
+            distance, lr, lg, lb = emitted_by(kind, row, e, (d0, d1, d2))
+            if 0.0 <= distance < far:
+                covered += 1.0 / samples
+                r, g, b = r + lr / samples, g + lg / samples, b + lb / samples
+        if covered > 0.0:
+            out[i, 0] = out[i, 0] * (1.0 - covered) + r
+            out[i, 1] = out[i, 1] * (1.0 - covered) + g
+            out[i, 2] = out[i, 2] * (1.0 - covered) + b
