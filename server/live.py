@@ -57,7 +57,7 @@ class Session:
             error = task.exception()
             if error is not None and not isinstance(error, WebSocketDisconnect | TimeoutError):
                 raise error
-        with contextlib.suppress(RuntimeError):
+        with contextlib.suppress(RuntimeError, WebSocketDisconnect):
             await self.socket.close()
 
     async def _read(self) -> None:

@@ -66,7 +66,10 @@ export class Handles {
       node.remove();
       this.#nodes.delete(key);
     }
-    this.lines.replaceChildren(...paths.map(({ d, quiet }) => path(d, quiet ? "quiet" : "")));
+    // A dark line under each, rather than a shadow: filters are slow without a GPU.
+    this.lines.replaceChildren(
+      ...paths.flatMap(({ d, quiet }) => [path(d, "under"), path(d, quiet ? "quiet" : "")]),
+    );
     for (const line of this.lines.children) line.setAttribute("vector-effect", "non-scaling-stroke");
   }
 

@@ -21,7 +21,7 @@ export class Live {
     this.#open();
   }
 
-  // cause is the time stamp of the event that led to this edit.
+  // cause is when the event came that led to this edit.
   send(edit, cause = performance.now()) {
     this.#seq += 1;
     this.#last = { type: "edit", seq: this.#seq, ...edit };

@@ -68,7 +68,9 @@ function showFrame(bitmap, header, roundTrip, cause) {
   const { width, height } = state.camera;
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
   context.imageSmoothingQuality = "high";
-  context.drawImage(bitmap, 0, 0, width, height);
+  // A smaller frame holds every second pixel, the first one of each pair.
+  const shift = (1 - header.scale) / 2;
+  context.drawImage(bitmap, shift, shift, header.width * header.scale, header.height * header.scale);
   for (const key of ["seq", "scale", "format", "method"]) canvas.dataset[key] = header[key];
   find("waiting").hidden = true;
   requests.took(header);
