@@ -8,14 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from engine.brdf.albedo import albedo_diagnosis
-from engine.brdf.base import Material
 from engine.brdf.diffuse import Diffuse
 from engine.diagnosis import Diagnosis
 from engine.errors import SceneError
 from engine.light.base import Light
 from engine.light.maps import load_environment
 from engine.scene import framing, lighting, shapes
+from engine.scene.albedos import albedo_diagnoses
 from engine.scene.camera import Camera
 from engine.scene.description import Object, SceneDescription, split
 from engine.scene.explain import closest
@@ -39,11 +38,12 @@ class _Builder:
         self.diagnoses: list[Diagnosis] = []
         self.lights: list[Light] = []
         self.camera: Camera | None = None
+        self.folder = Path()
         self._files: dict[Path, tuple[MeshFile, dict[str, int]]] = {}
 
     def grey(self) -> int:
         """The index of the material of things that have none."""
-        self.surfaces.setdefault("grey", Surface(Diffuse()))
+        self.surfaces.setdefault("grey", Surface(Diffuse(emission=(0.0, 0.0, 0.0))))
         return list(self.surfaces).index("grey")
 
     def file(self, path: Path) -> tuple[MeshFile, dict[str, int]]:
@@ -79,6 +79,7 @@ class _Builder:
             object_names=tuple(self.objects),
             lights=tuple(lights or ()),
             environment=None,
+            folder=str(self.folder.resolve()),
             diagnoses=(
                 *self.diagnoses,
                 *mended,
@@ -102,6 +103,7 @@ def build(description: SceneDescription, folder: Path, file: str = "") -> Scene:
     for index, thing in enumerate(description.objects):
         _add_object(made, thing, index, folder, list(description.materials))
     lights = _checked(description.lights)
+    made.folder = folder
     scene, rays = made.finish(description.name, description.camera, lights)
     if description.environment is not None:
         environment = load_environment(description.environment, folder)
@@ -115,6 +117,7 @@ def build(description: SceneDescription, folder: Path, file: str = "") -> Scene:
 def build_from_mesh(path: Path) -> Scene:
     """A scene of a mesh file alone."""
     made = _Builder()
+    made.folder = path.parent
     read, places = made.file(path)
     for node in read.nodes:
         material = made.grey() if node.part.material is None else places[node.part.material]
@@ -133,10 +136,7 @@ def _lit(scene: Scene, rays: RayTracer, own: Sequence[Light]) -> Scene:
     """The scene under the lights of its file, or under default ones where it has none."""
     if own:
         return replace(scene, lights=tuple(own))
-    if scene.material_table.emission.any():
-        note = "besides the surfaces that shine, "
-    else:
-        note = ""
+    note = "besides the surfaces that shine, " if scene.material_table.emission.any() else ""
     lights = lighting.default_lights(scene.geometry, rays, scene.camera)
     names = ", ".join(light.id for light in lights)
     diagnosis = Diagnosis("default_lights", f"the scene has no lights: {note}{names} were added")
@@ -155,7 +155,7 @@ def _add_object(
     if thing.name in made.objects:
         raise SceneError(f"another object is named {thing.name!r} too", field=f"{field}.name")
     made.objects.append(thing.name)
-    own = None if thing.material is None else list(made.surfaces).index(thing.material)
+    own: int | None = None if thing.material is None else list(made.surfaces).index(thing.material)
     if not isinstance(thing.mesh, str):
         material = made.grey() if own is None else own
         made.placed.append(Placed(shapes.make(thing.mesh), thing.matrix(), material, index))
@@ -165,10 +165,13 @@ def _add_object(
         raise SceneError("there is no such file", field=f"{field}.mesh", file=str(path))
     read, places = made.file(path.resolve())
     for node in read.nodes:
-        material = own
-        if material is None:
-            name = node.part.material
-            material = made.grey() if name is None else places[name]
+        name = node.part.material
+        if own is not None:
+            material = own
+        elif name is None:
+            material = made.grey()
+        else:
+            material = places[name]
         made.placed.append(Placed(node.part, thing.matrix() @ node.matrix, material, index))
 
 
@@ -205,7 +208,7 @@ def _without_coordinates(
     geometry: Geometry, table: MaterialTable, names: Sequence[str]
 ) -> list[Diagnosis]:
     """What to say of textured materials on surfaces without texture coordinates."""
-    bare = ~geometry.uvs[geometry.triangles].any(axis=(1, 2))
+    bare = np.abs(geometry.uvs[geometry.triangles]).max(axis=(1, 2)) == 0
     textured = (table.maps >= 0).any(axis=1)
     hit = np.unique(geometry.material[bare & textured[geometry.material]])
     whole = [
@@ -219,20 +222,3 @@ def _without_coordinates(
         )
         for name in whole
     ]
-
-
-def albedo_diagnoses(
-    names: Sequence[str], materials: Sequence[Material], table: MaterialTable
-) -> list[Diagnosis]:
-    """What to say of materials that reflect more than they receive."""
-    found = []
-    for m, (name, material) in enumerate(zip(names, materials, strict=True)):
-        # Lobes are normalised: what a model may reflect at most is the sum of its colours.
-        bound = np.add(getattr(material, "diffuse", 0.0), getattr(material, "specular", 0.0))
-        known = isinstance(material, Diffuse) or hasattr(material, "specular")
-        if known and np.max(bound) <= 1.0 + 1e-6:
-            continue
-        diagnosis = albedo_diagnosis(name, int(table.model[m]), table.row[m])
-        if diagnosis is not None:
-            found.append(diagnosis)
-    return found

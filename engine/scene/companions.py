@@ -27,7 +27,11 @@ class Companions(trimesh.resolvers.Resolver):  # type: ignore[misc]
         written = name.strip().replace("\\", "/")
         root = self.folder.resolve()
         # Options may stand before the file name in an MTL map.
-        for candidate in (written, written.rsplit("/", 1)[-1], written.split()[-1] if written else ""):
+        for candidate in (
+            written,
+            written.rsplit("/", 1)[-1],
+            written.split()[-1] if written else "",
+        ):
             path = (root / candidate).resolve()
             if candidate and path.is_relative_to(root) and path.is_file():
                 return path
@@ -44,6 +48,10 @@ class Companions(trimesh.resolvers.Resolver):  # type: ignore[misc]
         if path is None:
             raise FileNotFoundError(name)
         return path.read_bytes()
+
+    def keys(self) -> list[str]:
+        """The names of the files beside the mesh."""
+        return sorted(path.name for path in self.folder.iterdir() if path.is_file())
 
     def write(self, name: str, data: Any) -> None:
         """Nothing is written."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Union
+from typing import Annotated, Any, TypeAlias, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +45,7 @@ def _textured(model: type[Material]) -> type[Material]:
 
 TEXTURED: dict[type[Material], type[Material]] = {_textured(model): model for model in MODELS}
 
-AnyTexturedMaterial = Annotated[Union[tuple(TEXTURED)], Field(discriminator="type")]  # type: ignore[valid-type]  # noqa: UP007
+AnyTexturedMaterial: TypeAlias = Annotated[Union[tuple(TEXTURED)], Field(discriminator="type")]  # type: ignore[valid-type]  # noqa: UP007
 
 
 def split(described: Material) -> tuple[Material, dict[str, str]]:
@@ -135,5 +135,5 @@ class SceneDescription(Description):
     camera: Camera | None = None
     environment: EnvironmentDescription | None = None
     lights: list[AnyLight] | None = None
-    materials: dict[str, AnyTexturedMaterial] = {}
+    materials: dict[str, AnyTexturedMaterial] = Field(default={})
     objects: Annotated[list[Object], Field(min_length=1)]

@@ -19,7 +19,12 @@ def explain(error: ValidationError, document: Any, schema: dict[str, Any]) -> tu
     for other, candidate in found[1:]:
         if len(other) > len(path) and other[: len(path)] == path:
             path, problem = other, candidate
-    return ".".join(map(str, path)), _sentence(path, problem, document, schema)
+    sentence = _sentence(path, problem, document, schema)
+    if problem["type"] == "missing" and isinstance(path[-1], int):
+        path = path[:-1]  # the list is there to be pointed at, its entry is not
+    if problem["type"].startswith("union_tag"):
+        path = (*path, problem["ctx"]["discriminator"].strip("'"))
+    return ".".join(map(str, path)), sentence
 
 
 def closest(word: str, words: Iterable[str]) -> str:
@@ -35,14 +40,29 @@ def closest(word: str, words: Iterable[str]) -> str:
 
 def _path(location: Path, document: Any) -> Path:
     """The location without the names of alternatives, which are no part of the document."""
+    if document is None:
+        return tuple(part for part in location if str(part).islower() or isinstance(part, int))
     path: list[str | int] = []
-    value = document
+    value, chosen = document, False
     for k, part in enumerate(location):
-        if isinstance(value, dict) and part in value:
-            value = value[part]
-        elif isinstance(value, (list, tuple)) and isinstance(part, int) and part < len(value):
-            value = value[part]
-        elif not (k == len(location) - 1 and isinstance(value, dict) and str(part).islower()):
+        # An alternative chosen by `type` or `shape` stands first among its own keys, and may be
+        # called like one of them.
+        if (
+            isinstance(value, dict)
+            and not chosen
+            and part in (value.get("type"), value.get("shape"))
+        ):
+            chosen = True
+            continue
+        entry = isinstance(value, dict) and part in value
+        item = isinstance(value, list | tuple) and isinstance(part, int) and part < len(value)
+        absent = k == len(location) - 1 and (
+            (isinstance(value, dict) and str(part).islower())
+            or (isinstance(value, list | tuple) and isinstance(part, int))
+        )
+        if entry or item:
+            value, chosen = value[part], False
+        elif not absent:
             continue
         path.append(part)
     return tuple(path)
@@ -54,27 +74,44 @@ def _sentence(path: Path, problem: Any, document: Any, schema: dict[str, Any]) -
     if kind == "extra_forbidden":
         return f"unknown key; {closest(str(path[-1]), _keys(path[:-1], document, schema))}"
     if kind == "missing":
+        if isinstance(path[-1], int):
+            return f"{len(_at(path[:-1], document))} entries are too few"
         return "this key is missing and has no default"
     if kind == "union_tag_invalid":
         tag = context["discriminator"].strip("'")
         allowed = [word.strip(" '") for word in context["expected_tags"].split(",")]
         return f"unknown {tag} {context['tag']!r}; {closest(context['tag'], allowed)}"
     if kind == "union_tag_not_found":
-        options = [o for o in _options(_schemas(path, document, schema), schema)]
-        names = sorted({str(option["title"]) for option in options if "title" in option})
-        return f"the key {context['discriminator']} is missing; it chooses among {_names(names)}"
+        tag = context["discriminator"].strip("'")
+        fields = [option.get("properties", {}) for option in _schemas(path, document, schema)]
+        names = sorted({str(field[tag]["const"]) for field in fields if tag in field})
+        return f"the key {tag} is missing; it is one of {', '.join(names)}"
     if kind == "value_error":
         return str(problem["msg"]).removeprefix("Value error, ")
-    if kind in ("too_long", "too_short") or kind == "missing":
+    if kind in ("too_long", "too_short"):
         return f"{context['actual_length']} entries where {_wanted(context)} are allowed"
     if kind == "finite_number":
         return f"{value} is not a finite number"
     shown = repr(value)
-    return f"{problem['msg']}, not {shown if len(shown) <= 60 else shown[:57] + '...'}"
+    wanted = _WANTED.get(kind) or str(problem["msg"]).replace("Input should", "must")
+    return f"{wanted}, not {shown if len(shown) <= 60 else shown[:57] + '...'}"
 
 
-def _names(names: list[str]) -> str:
-    return ", ".join(name.lower() for name in names)
+_WANTED = {
+    "tuple_type": "must be a list",
+    "list_type": "must be a list",
+    "dict_type": "must be an object with keys",
+    "model_type": "must be an object with keys",
+    "model_attributes_type": "must be an object with keys",
+    "bool_parsing": "must be true or false",
+    "bool_type": "must be true or false",
+    "float_parsing": "must be a number",
+    "float_type": "must be a number",
+    "int_parsing": "must be a whole number",
+    "int_from_float": "must be a whole number",
+    "int_type": "must be a whole number",
+    "string_type": "must be a text",
+}
 
 
 def _wanted(context: dict[str, Any]) -> str:
@@ -94,7 +131,9 @@ def _at(path: Path, document: Any) -> Any:
 
 def _keys(path: Path, document: Any, schema: dict[str, Any]) -> set[str]:
     """The keys that the schema allows at a place of the document."""
-    return {key for found in _schemas(path, document, schema) for key in found.get("properties", {})}
+    return {
+        key for found in _schemas(path, document, schema) for key in found.get("properties", {})
+    }
 
 
 def _schemas(path: Path, document: Any, schema: dict[str, Any]) -> list[dict[str, Any]]:
@@ -133,7 +172,7 @@ def _meant(options: list[dict[str, Any]], value: Any) -> list[dict[str, Any]]:
         option
         for option in options
         if all(
-            value.get(key, field.get("default")) == field["const"]
+            value.get(key, field["const"]) == field["const"]
             for key, field in option.get("properties", {}).items()
             if "const" in field
         )

@@ -123,7 +123,9 @@ def _faces(
     return np.asarray(np.sum(normal * directions, axis=1) < 0)
 
 
-def _room_camera(geometry: Geometry, rays: RayTracer, grid: int = 12, yaws: int = 16) -> Camera | None:
+def _room_camera(
+    geometry: Geometry, rays: RayTracer, grid: int = 12, yaws: int = 12
+) -> Camera | None:
     """The place and direction at eye height with the widest and richest view, or None.
 
     Every place of a grid over the room that has air around it looks in every direction with a
@@ -135,13 +137,14 @@ def _room_camera(geometry: Geometry, rays: RayTracer, grid: int = 12, yaws: int 
     steps = (np.arange(grid) + 0.5) / grid
     x, z = np.meshgrid(low[0] + steps * (high[0] - low[0]), low[2] + steps * (high[2] - low[2]))
     places = np.stack([x.ravel(), np.full(x.size, eye), z.ravel()], axis=1)
-    places = places[[_has_air(geometry, rays, place) for place in places]]
+    clearance = 0.03 * float(np.linalg.norm(high - low))
+    places = places[[_has_air(geometry, rays, place, clearance) for place in places]]
     best, found = -1.0, None
     for place in places:
         for k in range(yaws):
             angle = 2 * np.pi * k / yaws
             # Look a little down, as people do.
-            ahead = np.array([math.sin(angle), -0.1, math.cos(angle)])
+            ahead = np.array([math.sin(angle), -0.2, math.cos(angle)])
             camera = _camera(place, place + ahead, ROOM_FOV_Y_DEGREES)
             score = _view(geometry, rays, camera)
             if score > best:
@@ -149,15 +152,17 @@ def _room_camera(geometry: Geometry, rays: RayTracer, grid: int = 12, yaws: int 
     return found
 
 
-def _has_air(geometry: Geometry, rays: RayTracer, place: NDArray[np.float64]) -> bool:
+def _has_air(
+    geometry: Geometry, rays: RayTracer, place: NDArray[np.float64], clearance: float
+) -> bool:
+    """Whether a place is within the walls and that far from everything."""
     directions = _sphere(64)
     origins = np.tile(place.astype(np.float32), (64, 1))
     hit = rays.intersect(origins, directions)
     found = hit.triangle >= 0
-    if found.mean() < 0.9 or not _faces(geometry, hit.triangle[found], directions[found]).mean() > 0.8:
+    if found.mean() < 0.9 or hit.distance.min() < clearance:
         return False
-    low, high = _bounds(geometry)
-    return bool(hit.distance.min() > 0.03 * np.linalg.norm(high - low))
+    return bool(_faces(geometry, hit.triangle[found], directions[found]).mean() > 0.8)
 
 
 def _view(geometry: Geometry, rays: RayTracer, camera: Camera) -> float:

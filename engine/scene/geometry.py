@@ -54,12 +54,13 @@ def assemble(
                 world.positions, world.triangles[kept], world.normals, world.uvs, world.material
             )
         parts.append(world)
-    left = np.zeros(len(names), np.int64)
+    left = [0] * len(names)
     for world, place in zip(parts, placed, strict=True):
         left[place.object] += len(world.triangles)
-    for index in np.flatnonzero(left == 0):
-        what = "every triangle has zero area" if names[index] in dropped else "it has no triangles"
-        raise SceneError(f"object {names[index]!r} is empty: {what}", field=f"objects.{index}.mesh")
+    if 0 in left:
+        empty = left.index(0)
+        what = "every triangle has zero area" if names[empty] in dropped else "it has no triangles"
+        raise SceneError(f"object {names[empty]!r} is empty: {what}", field=f"objects.{empty}.mesh")
     return _flat(parts, placed), _mended(made, dropped, len(names))
 
 

@@ -26,7 +26,7 @@ from engine.light.distant import DistantLight
 from engine.light.point import PointLight
 from engine.light.spot import SpotLight
 from engine.scene.camera import Camera
-from engine.scene.mtl import capped
+from engine.scene.mtl import capped, opaque
 from engine.scene.surfaces import Surface
 from engine.scene.textures import MAX_SIDE, Image, read_image, resized
 
@@ -57,17 +57,23 @@ def header(content: bytes, file: str) -> dict[str, Any]:
 class Converter:
     """Turns the materials of one file into ours; an image used twice is read once."""
 
-    def __init__(self, header: dict[str, Any], file: str, diagnoses: list[Diagnosis]) -> None:
-        self.file, self.diagnoses = file, diagnoses
+    def __init__(self, header: dict[str, Any], file: str) -> None:
+        self.file = file
+        self._found: list[Diagnosis] = []
+        self._transparent: list[str] = []
         self._images: dict[tuple[int, bool], Image] = {}
         named = [m for m in header.get("materials", []) if isinstance(m, dict) and "name" in m]
         names = [m["name"] for m in named]
         self._exact = {m["name"]: m for m in named if names.count(m["name"]) == 1}
         ignored = [IGNORED[name] for name in header.get("extensionsUsed", []) if name in IGNORED]
         if ignored:
-            diagnoses.append(
+            self._found.append(
                 Diagnosis("ignored_extension", f"{file} asks for {', '.join(ignored)}: left out")
             )
+
+    def diagnoses(self) -> list[Diagnosis]:
+        """What to say of the materials converted so far."""
+        return [*self._found, *([opaque(self._transparent)] if self._transparent else [])]
 
     def surface(self, material: Any) -> Surface:
         """Ours for one of trimesh's `PBRMaterial`."""
@@ -82,9 +88,7 @@ class Converter:
         roughness = _unit(material.roughnessFactor)
         emission = self._emission(material, exact)
         if material.alphaMode not in (None, "OPAQUE"):
-            self.diagnoses.append(
-                Diagnosis("opaque", f"material {material.name!r} is transparent, opaque here")
-            )
+            self._transparent.append(material.name or "material")
         colour = self._image(material.baseColorTexture, srgb=True)
         rough = self._image(material.metallicRoughnessTexture, srgb=False)
         images: dict[str, Image] = {}
@@ -117,7 +121,7 @@ class Converter:
         image = self._image(material.emissiveTexture, srgb=True) if colour.any() else None
         if image is not None:
             colour = colour * image.mean(axis=(0, 1))
-            self.diagnoses.append(
+            self._found.append(
                 Diagnosis(
                     "emission_averaged",
                     f"material {material.name!r} emits through a texture: its mean is used",
@@ -132,7 +136,7 @@ class Converter:
         if key not in self._images:
             self._images[key], side = read_image(image, self.file, srgb=srgb)
             if side > MAX_SIDE:
-                self.diagnoses.append(capped(f"a texture of {self.file}", side))
+                self._found.append(capped(f"a texture of {self.file}", side))
         return self._images[key]
 
 
@@ -157,7 +161,8 @@ def _nodes(header: dict[str, Any]) -> list[tuple[dict[str, Any], NDArray[np.floa
     """Every node of the scene with its (4, 4) matrix to the world."""
     nodes, scenes = header.get("nodes", []), header.get("scenes", [])
     roots = scenes[header.get("scene", 0)].get("nodes", []) if scenes else range(len(nodes))
-    found, todo = [], [(index, np.eye(4)) for index in roots]
+    found: list[tuple[dict[str, Any], NDArray[np.float64]]] = []
+    todo = [(index, np.eye(4)) for index in roots]
     while todo and len(found) <= len(nodes):
         index, parent = todo.pop(0)
         node = nodes[index]
@@ -191,11 +196,11 @@ def lights(header: dict[str, Any]) -> tuple[Light, ...]:
         strength = float(light.get("intensity", 1.0)) / LUMENS_PER_WATT
         intensity = tuple(strength * float(c) for c in light.get("color", (1, 1, 1)))
         place, ahead = matrix[:3, 3], -matrix[:3, 2]
-        common = {"id": name, "intensity": intensity}
+        common: dict[str, Any] = {"id": name, "intensity": intensity}
         if light["type"] == "directional":
-            found.append(DistantLight(**common, direction=tuple(ahead)))
+            found.append(DistantLight(**common, direction=tuple(ahead.tolist())))
         elif light["type"] == "point":
-            found.append(PointLight(**common, position=tuple(place)))
+            found.append(PointLight(**common, position=tuple(place.tolist())))
         else:
             cone = light.get("spot", {})
             outer = math.degrees(cone.get("outerConeAngle", math.pi / 4))
@@ -203,8 +208,8 @@ def lights(header: dict[str, Any]) -> tuple[Light, ...]:
             found.append(
                 SpotLight(
                     **common,
-                    position=tuple(place),
-                    target=tuple(place + ahead),
+                    position=tuple(place.tolist()),
+                    target=tuple((place + ahead).tolist()),
                     cone_degrees=max(outer, 0.1),
                     penumbra_degrees=max(0.0, outer - inner),
                 )
@@ -219,10 +224,11 @@ def camera(header: dict[str, Any]) -> Camera | None:
         if lens:
             aspect = min(max(float(lens.get("aspectRatio", 4 / 3)), 0.1), 10.0)
             try:
+                back, up = (matrix[:3, k] / np.linalg.norm(matrix[:3, k]) for k in (2, 1))
                 return Camera(
-                    position=tuple(matrix[:3, 3]),
-                    target=tuple(matrix[:3, 3] - matrix[:3, 2]),
-                    up=tuple(matrix[:3, 1]),
+                    position=tuple(matrix[:3, 3].tolist()),
+                    target=tuple((matrix[:3, 3] - back).tolist()),
+                    up=tuple(up.tolist()),
                     fov_y_degrees=math.degrees(lens["yfov"]),
                     width=round(480 * aspect),
                     height=480,

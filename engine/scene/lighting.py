@@ -64,7 +64,7 @@ def _in_a_room(geometry: Geometry, rays: RayTracer, camera: Camera) -> tuple[Lig
     middle = eye + 0.5 * reach * ahead
     floor, ceiling = headroom(geometry, rays, middle)
     height = ceiling - floor
-    lamp = np.array([middle[0], floor + 0.8 * height, middle[2]])
+    lamp = np.array([middle[0], floor + 0.68 * height, middle[2]])
     spot = eye + 0.25 * reach * ahead
     spot[1] = floor + 0.85 * height
     aim = eye + 0.6 * reach * ahead
@@ -74,7 +74,7 @@ def _in_a_room(geometry: Geometry, rays: RayTracer, camera: Camera) -> tuple[Lig
         PointLight(
             id="lamp",
             position=_point(lamp),
-            intensity=_intensity(1.6, 0.8 * height, (1.0, 0.93, 0.82)),
+            intensity=_intensity(1.0, 0.68 * height, (1.0, 0.93, 0.82)),
         ),
         SpotLight(
             id="key",
@@ -82,7 +82,7 @@ def _in_a_room(geometry: Geometry, rays: RayTracer, camera: Camera) -> tuple[Lig
             target=_point(aim),
             cone_degrees=28,
             penumbra_degrees=10,
-            intensity=_intensity(2.0, throw, (1.0, 0.97, 0.92)),
+            intensity=_intensity(1.5, throw, (1.0, 0.97, 0.92)),
         ),
     )
 

@@ -68,10 +68,7 @@ def read_mesh_file(path: Path) -> MeshFile:
     if kind == "obj":
         content = absolute_indices(content)
     scene = _trimesh_scene(content, kind, companions, path.name)
-    diagnoses: list[Diagnosis] = []
-    to_surface: Callable[..., Surface] = (
-        gltf.Converter(header, path.name, diagnoses) if header else mtl.Converter(companions, path.name, diagnoses)
-    ).surface
+    converter = gltf.Converter(header, path.name) if header else mtl.Converter(companions)
     surfaces: dict[str, Surface] = {}
     names: dict[int, str] = {}
     parts: dict[str, Part] = {}
@@ -82,15 +79,20 @@ def read_mesh_file(path: Path) -> MeshFile:
         if not isinstance(mesh, trimesh.Trimesh):
             continue  # points and lines have no surface
         if key not in parts:
-            parts[key] = _part(mesh, key, path.name, names, surfaces, to_surface)
+            parts[key] = _part(mesh, key, path.name, names, surfaces, converter.surface)
         name = key if list(scene.graph.geometry_nodes[key]) == [node] else f"{key} {node}"
         nodes.append(Node(name, parts[key], np.array(matrix, np.float64)))
     if not nodes:
         raise SceneError("the file holds no triangles", file=path.name)
-    diagnoses += companions.diagnoses(path.name)
-    return MeshFile(
-        tuple(nodes), surfaces, gltf.lights(header), gltf.camera(header), tuple(diagnoses)
-    )
+    try:
+        lights, camera = gltf.lights(header), gltf.camera(header)
+    except (KeyError, IndexError, TypeError, ValueError) as error:
+        reason = f"{type(error).__name__}: {error}".splitlines()[0]
+        raise SceneError(
+            f"its lights or its camera are broken ({reason})", file=path.name
+        ) from None
+    diagnoses = (*converter.diagnoses(), *companions.diagnoses(path.name))
+    return MeshFile(tuple(nodes), surfaces, lights, camera, diagnoses)
 
 
 def _trimesh_scene(content: bytes, kind: str, companions: Companions, name: str) -> Any:
@@ -107,7 +109,9 @@ def _trimesh_scene(content: bytes, kind: str, companions: Companions, name: str)
                 process=False,
             )
     except IndexError:
-        raise SceneError("a face refers to a vertex that the file does not have", file=name) from None
+        raise SceneError(
+            "a face refers to a vertex that the file does not have", file=name
+        ) from None
     except Exception as error:  # trimesh raises whatever its parsers run into
         reason = str(error) or type(error).__name__
         raise SceneError(f"cannot be read as {kind.upper()}: {reason}", file=name) from None
@@ -124,11 +128,9 @@ def _part(
     to_surface: Callable[..., Surface],
 ) -> Part:
     material = getattr(mesh.visual, "material", None)
-    if material is not None and _says_something(material):
-        if id(material) not in names:
-            wanted = material.name or "material"
-            names[id(material)] = unique(wanted, surfaces)
-            surfaces[names[id(material)]] = to_surface(material)
+    if material is not None and id(material) not in names and _says_something(material):
+        names[id(material)] = unique(material.name or "material", surfaces)
+        surfaces[names[id(material)]] = to_surface(material)
     uvs = getattr(mesh.visual, "uv", None)
     # trimesh makes normals up on demand; only its cache tells whether the file had some.
     normals = mesh.vertex_normals if "vertex_normals" in mesh._cache else None
@@ -159,7 +161,7 @@ def _says_something(material: Any) -> bool:
     """Whether it is more than the empty material that stands in for none."""
     if isinstance(material, trimesh.visual.material.PBRMaterial):
         return True
-    return bool(material.kwargs) or material.image is not None
+    return bool(material.kwargs) or bool(mtl.named_image(material))
 
 
 def unique(name: str, taken: Any) -> str:

@@ -26,9 +26,30 @@ from engine.scene.textures import MAX_SIDE, Image, read_image
 class Converter:
     """Turns the materials of one file into ours; an image used twice is read once."""
 
-    def __init__(self, companions: Companions, file: str, diagnoses: list[Diagnosis]) -> None:
-        self.companions, self.file, self.diagnoses = companions, file, diagnoses
+    def __init__(self, companions: Companions) -> None:
+        self.companions = companions
         self._images: dict[Path, Image] = {}
+        self._reduced: list[Diagnosis] = []
+        self._transparent: list[str] = []
+        self._limited: dict[str, float] = {}
+
+    def diagnoses(self) -> list[Diagnosis]:
+        """What to say of the materials converted so far."""
+        found = list(self._reduced)
+        if self._transparent:
+            found.append(opaque(self._transparent))
+        if self._limited:
+            worst = max(self._limited, key=lambda name: self._limited[name])
+            found.append(
+                Diagnosis(
+                    "reflectance_limited",
+                    f"{len(self._limited)} material(s) would reflect more than they receive, "
+                    f"{worst!r} the most with Kd + Ks {1 + self._limited[worst]:.2f}: Kd was "
+                    "lowered",
+                    self._limited[worst],
+                )
+            )
+        return found
 
     def surface(self, material: Any) -> Surface:
         """Ours for one of trimesh's `SimpleMaterial`."""
@@ -36,8 +57,8 @@ class Converter:
         diffuse, specular = _colour(words.get("kd"), 0.8), _colour(words.get("ks"), 0.0)
         images: dict[str, Image] = {}
         # trimesh keeps the path of a texture it found, and the companions that of one it did not.
-        if material.image is not None:
-            self._add(images, "diffuse", material.image.info.get("file_path", ""))
+        if named_image(material):
+            self._add(images, "diffuse", named_image(material))
         if "map_ks" in words:
             self._add(images, "specular", " ".join(words["map_ks"]))
         if "diffuse" in images and not diffuse.any():
@@ -46,23 +67,14 @@ class Converter:
             specular = np.ones(3)
         shown = material.name or "material"
         if _number(words.get("d"), 1.0) < 1 or _number(words.get("tr"), 0.0) > 0:
-            self.diagnoses.append(
-                Diagnosis("opaque", f"material {shown!r} is transparent in its file, opaque here")
-            )
+            self._transparent.append(shown)
         specular = np.clip(specular, 0, 1)
         room = 1 - specular
         excess = float(np.max(diffuse + specular)) - 1
         if excess > 1e-6:
-            brightest = diffuse > 0
-            diffuse = diffuse * min(1.0, float(np.min(room[brightest] / diffuse[brightest])))
-            self.diagnoses.append(
-                Diagnosis(
-                    "reflectance_limited",
-                    f"material {shown!r} has Kd + Ks {1 + excess:.2f}: Kd is lowered so that it "
-                    "reflects no more than it receives",
-                    excess,
-                )
-            )
+            seen = diffuse > 0
+            diffuse = diffuse * min(1.0, float(np.min(room[seen] / diffuse[seen])))
+            self._limited[shown] = excess
         emission = tuple(np.clip(_colour(words.get("ke"), 0.0), 0, None).tolist())
         kd, ks = tuple(np.clip(diffuse, 0, 1).tolist()), tuple(specular.tolist())
         made: Material
@@ -80,8 +92,20 @@ class Converter:
         if path not in self._images:
             self._images[path], side = read_image(path, path.name, srgb=True)
             if side > MAX_SIDE:
-                self.diagnoses.append(capped(path.name, side))
+                self._reduced.append(capped(path.name, side))
         images[slot] = self._images[path]
+
+
+def named_image(material: Any) -> str:
+    """The file of a material's image as the MTL names it, empty where it has none."""
+    return "" if material.image is None else str(material.image.info.get("file_path", ""))
+
+
+def opaque(names: list[str]) -> Diagnosis:
+    """What to say of materials that let light through."""
+    return Diagnosis(
+        "opaque", f"transparent in the file but opaque here: {', '.join(sorted(names))}"
+    )
 
 
 def capped(name: str, side: int) -> Diagnosis:

@@ -50,8 +50,7 @@ def open_scene(source: str | Path) -> Scene:
         return build_from_mesh(path)
     if kind != "json" or not path.is_file():
         raise SceneError(
-            f"a scene is a file of type json, {', '.join(FORMATS)}, or one of "
-            f"{', '.join(BUILTIN)}",
+            f"a scene is a file of type json, {', '.join(FORMATS)}, or one of {', '.join(BUILTIN)}",
             file=path.name,
         )
     try:

@@ -62,7 +62,8 @@ class Scene:
 
     `materials` are the descriptions in the order of `material_table`; `lights` include the ones
     that are off; `environment` is None where the background is black. `diagnoses` are what the
-    loader has to say (an albedo above one, normals that had to be made, ...).
+    loader has to say (an albedo above one, normals that had to be made, ...). `folder` is where the
+    files that an edit names are looked for.
     """
 
     name: str
@@ -75,6 +76,7 @@ class Scene:
     lights: tuple[Light, ...]
     environment: Environment | None
     diagnoses: tuple[Diagnosis, ...] = ()
+    folder: str = ""
 
     @cached_property
     def rays(self) -> RayTracer:

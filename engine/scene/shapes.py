@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from engine.numerics.description import Description, Finite, Point
+from engine.numerics.description import Description, Point
 from engine.scene.part import Part
 
 Size = Annotated[float, Field(gt=0, le=1e6)]
@@ -51,7 +51,7 @@ class Disk(Description):
 
 
 class Cylinder(Description):
-    """Around the y axis and the origin, closed by caps; a `top_radius` makes it a truncated cone."""
+    """Around the y axis and the origin, closed by caps; a cone's frustum with a `top_radius`."""
 
     shape: Literal["cylinder"]
     radius: Size = 0.5
@@ -103,6 +103,7 @@ def _rectangle(shape: Rectangle) -> Part:
 
 def _box(shape: Box) -> Part:
     front = _rectangle(Rectangle(shape="rectangle"))
+    uvs = np.tile(np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float), (6, 1))
     # The axes (right, up, outward) of the six faces, seen from outside.
     faces = np.array(
         [
@@ -115,10 +116,10 @@ def _box(shape: Box) -> Part:
         ],
         float,
     )
-    outward = front.positions + [0, 0, 0.5]
+    outward = front.positions + np.array([0, 0, 0.5])
     positions = np.concatenate([outward @ face for face in faces]) * shape.size
     triangles = np.concatenate([front.triangles + 4 * k for k in range(6)])
-    return Part(positions, triangles, np.repeat(faces[:, 2], 4, axis=0), np.tile(front.uvs, (6, 1)))
+    return Part(positions, triangles, np.repeat(faces[:, 2], 4, axis=0), uvs)
 
 
 def _grid_triangles(rows: int, columns: int) -> NDArray[np.int64]:

@@ -45,6 +45,15 @@ def material_table(
     )
 
 
+def changed_table(table: MaterialTable, materials: Sequence[Material]) -> MaterialTable:
+    """The table with other constants or models; textures stay as they are."""
+    return table._replace(
+        model=np.array([INDEX[type(material)] for material in materials], np.int32),
+        row=rows(materials),
+        emission=np.array([m.emission for m in materials], np.float32).reshape(-1, 3),
+    )
+
+
 def rows(materials: Sequence[Material]) -> NDArray[np.float32]:
     """(m, ROW) float32 parameters."""
     return np.array([m.row() for m in materials], np.float32).reshape(len(materials), ROW)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import warnings
 from pathlib import Path
 
@@ -18,7 +17,7 @@ Image = NDArray[np.float32]
 MAX_SIDE = 2048
 
 
-def read_image(source: Path | bytes | Pillow.Image, name: str, *, srgb: bool) -> tuple[Image, int]:
+def read_image(source: Path | Pillow.Image, name: str, *, srgb: bool) -> tuple[Image, int]:
     """The image in linear light and the longer side of the file, in pixels.
 
     An image longer than MAX_SIDE is made smaller by averaging areas. `srgb` is for colours; plain
@@ -27,14 +26,10 @@ def read_image(source: Path | bytes | Pillow.Image, name: str, *, srgb: bool) ->
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            opened = Pillow.open(io.BytesIO(source) if isinstance(source, bytes) else source) if (
-                not isinstance(source, Pillow.Image)
-            ) else source
-            values = _values(opened)
+            opened = source if isinstance(source, Pillow.Image) else Pillow.open(source)
+            values = _values(opened, srgb)
     except Exception as error:  # Pillow raises whatever its decoders raise
         raise SceneError(f"cannot be read as an image: {error}", file=name) from None
-    if srgb:
-        values = linear(values)
     side = max(values.shape[:2])
     if side > MAX_SIDE:
         values = resized(
@@ -45,21 +40,23 @@ def read_image(source: Path | bytes | Pillow.Image, name: str, *, srgb: bool) ->
     return np.ascontiguousarray(values[::-1], np.float32), side
 
 
-def _values(image: Pillow.Image) -> Image:
-    """(height, width, 3) float32 in 0 to 1, as stored, rows from the top down."""
+def _values(image: Pillow.Image, srgb: bool) -> Image:
+    """(height, width, 3) float32 in 0 to 1, rows from the top down, decoded where it is sRGB."""
     if image.mode.startswith("I"):
-        grey = np.asarray(image, np.float32) / 65535
+        grey = np.asarray(image, np.float32) / np.float32(65535)
+        grey = linear(grey) if srgb else grey
         return np.repeat(grey[:, :, None], 3, axis=2)
     if image.mode == "P" and "transparency" in image.info:
         image = image.convert("RGBA")
-    return np.asarray(image.convert("RGB"), np.float32) / np.float32(255)
+    levels = np.arange(256, dtype=np.float32) / np.float32(255)
+    return (linear(levels) if srgb else levels)[np.asarray(image.convert("RGB"))]
 
 
 def linear(srgb: Image) -> Image:
     """Decode IEC 61966-2-1 sRGB."""
     low = srgb / np.float32(12.92)
     high = ((srgb + np.float32(0.055)) / np.float32(1.055)) ** np.float32(2.4)
-    return np.where(srgb <= 0.04045, low, high)
+    return np.where(srgb <= 0.04045, low, high).astype(np.float32)
 
 
 def resized(values: Image, width: int, height: int) -> Image:

@@ -18,18 +18,19 @@ WHITE = (0.738, 0.736, 0.739)
 RED = (0.493, 0.049, 0.051)
 GREEN = (0.069, 0.399, 0.087)
 
-FLOOR = [(552.8, 0, 0), (0, 0, 0), (0, 0, 559.2), (549.6, 0, 559.2)]
-CEILING = [(556, 548.8, 0), (556, 548.8, 559.2), (0, 548.8, 559.2), (0, 548.8, 0)]
-BACK = [(549.6, 0, 559.2), (0, 0, 559.2), (0, 548.8, 559.2), (556, 548.8, 559.2)]
-RIGHT = [(0, 0, 559.2), (0, 0, 0), (0, 548.8, 0), (0, 548.8, 559.2)]
-LEFT = [(552.8, 0, 0), (549.6, 0, 559.2), (556, 548.8, 559.2), (556, 548.8, 0)]
+Corner = tuple[float, float, float]
+Polygon = list[Corner]
+
+FLOOR: Polygon = [(552.8, 0, 0), (0, 0, 0), (0, 0, 559.2), (549.6, 0, 559.2)]
+CEILING: Polygon = [(556, 548.8, 0), (556, 548.8, 559.2), (0, 548.8, 559.2), (0, 548.8, 0)]
+BACK: Polygon = [(549.6, 0, 559.2), (0, 0, 559.2), (0, 548.8, 559.2), (556, 548.8, 559.2)]
+RIGHT: Polygon = [(0, 0, 559.2), (0, 0, 0), (0, 548.8, 0), (0, 548.8, 559.2)]
+LEFT: Polygon = [(552.8, 0, 0), (549.6, 0, 559.2), (556, 548.8, 559.2), (556, 548.8, 0)]
 # The tops of the blocks, which stand on the floor.
-SHORT = [(130, 165, 65), (82, 165, 225), (240, 165, 272), (290, 165, 114)]
-TALL = [(423, 330, 247), (265, 330, 296), (314, 330, 456), (472, 330, 406)]
+SHORT: Polygon = [(130, 165, 65), (82, 165, 225), (240, 165, 272), (290, 165, 114)]
+TALL: Polygon = [(423, 330, 247), (265, 330, 296), (314, 330, 456), (472, 330, 406)]
 # Half a millimetre below the ceiling, so that no rounding puts it on the wrong side.
 LAMP_CENTRE, LAMP_SIZE = (278.0, 548.3, 279.5), (130.0, 105.0)
-
-Corner = tuple[float, float, float]
 
 
 def document() -> dict[str, Any]:
@@ -53,7 +54,7 @@ def document() -> dict[str, Any]:
                 "up": (0, 0, 1),
                 "width": LAMP_SIZE[0] / 1000,
                 "height": LAMP_SIZE[1] / 1000,
-                "intensity": (15, 11.5, 7.5),
+                "intensity": (28, 21.5, 14),
             },
             {
                 "id": "key",
@@ -62,7 +63,7 @@ def document() -> dict[str, Any]:
                 "target": _metres((370, 0, 150)),
                 "cone_degrees": 18,
                 "penumbra_degrees": 8,
-                "intensity": (0.16, 0.16, 0.17),
+                "intensity": (0.3, 0.3, 0.32),
             },
         ],
         "materials": {
@@ -86,14 +87,14 @@ def _metres(point: Corner) -> Corner:
     return (point[0] / 1000, point[1] / 1000, point[2] / 1000)
 
 
-def _block(top: list[Corner]) -> list[list[Corner]]:
+def _block(top: Polygon) -> list[Polygon]:
     """The top and the four sides of a block on the floor."""
-    sides = []
+    sides: list[Polygon] = []
     for (ax, ay, az), (bx, by, bz) in zip(top, top[1:] + top[:1], strict=True):
         sides.append([(bx, by, bz), (ax, ay, az), (ax, 0.0, az), (bx, 0.0, bz)])
     return [top, *sides]
 
 
-def _object(name: str, material: str, polygons: list[list[Corner]]) -> dict[str, Any]:
+def _object(name: str, material: str, polygons: list[Polygon]) -> dict[str, Any]:
     mesh = {"shape": "polygons", "polygons": [[_metres(c) for c in p] for p in polygons]}
     return {"name": name, "material": material, "mesh": mesh}
