@@ -17,8 +17,10 @@ def tangents(n):
 
     s ∝ [(n_y+1)² + n_z² - n_x², -2(n_y+1) n_x, -2 n_x n_z], t = n × s.
     """
-    a = n[1] + 1.0
-    if a < 1e-7:
+    m = n[0] * n[0] + n[2] * n[2]
+    # n_y + 1 loses its digits near n_y = -1, where it is m / (1 - n_y).
+    a = n[1] + 1.0 if n[1] > 0.0 else m / (1.0 - n[1])
+    if m < 1e-20:
         s = (1.0, 0.0, 0.0)
     else:
         s = normalize((a * a + n[2] * n[2] - n[0] * n[0], -2.0 * a * n[0], -2.0 * n[0] * n[2]))
