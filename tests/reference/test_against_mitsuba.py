@@ -1,0 +1,177 @@
+"""The path tracer against Mitsuba 3 on scenes that both define alike.
+
+Pictures are compared block by block and as a whole, with the variances of both. What is left out,
+because the definitions differ: Schlick's Fresnel (so metals have F0 = 1), the penumbra of a spot
+(so it has none), environment maps between texels (so the environment is constant), and correlated
+against separable masking (so facets are smooth enough, α ≤ 0.2, and seen well above the horizon:
+the two differ there by less than 0.2 %).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from scipy import stats
+
+from engine.reference import render
+from engine.scene.build import build
+from engine.scene.edits import edited_camera
+from engine.scene.open import describe, open_scene
+from engine.scene.scene import Scene
+
+pytest.importorskip("mitsuba")
+
+import twin
+
+OUT = Path(__file__).parents[2] / "out" / "reference"
+SIZE, BLOCK = 48, 6
+BATCHES = 24
+FALSE_ALARM = 1e-3  # probability that two right renderers fail one of these tests
+
+
+def cornell_box() -> tuple[Scene, tuple[float, float, float]]:
+    """The lamp alone; the spot has a penumbra."""
+    scene = open_scene("cornell-box")
+    scene = scene.with_camera(edited_camera(scene.camera, {"width": SIZE, "height": SIZE}))
+    white = scene.materials[scene.material_names.index("white")].diffuse
+    return scene.with_lights(scene.lights[:1]), white
+
+
+STILL_LIFE = [
+    {
+        "name": "floor",
+        "mesh": {"shape": "rectangle", "size": [6, 6]},
+        "material": "metal",
+        "transform": {"rotate_degrees": [-90, 0, 0]},
+    },
+    {
+        "name": "wall",
+        "mesh": {"shape": "rectangle", "size": [6, 4]},
+        "material": "wall",
+        "transform": {"translate": [0, 0.5, -1.5]},
+    },
+    {
+        "name": "ball",
+        "mesh": {"shape": "sphere", "radius": 0.5, "rings": 24},
+        "material": "ball",
+        "transform": {"translate": [-0.6, 0.55, 0]},
+    },
+    {
+        "name": "block",
+        "mesh": {"shape": "box", "size": [0.7, 0.7, 0.7]},
+        "material": "block",
+        "transform": {"translate": [0.6, 0.37, -0.2], "rotate_degrees": [0, 30, 0]},
+    },
+]
+
+
+def still_life(roughness: float, **light: object) -> Scene:
+    return build(
+        describe(
+            {
+                "camera": {
+                    "position": [0.4, 2.6, 3.4],
+                    "target": [0, 0.3, 0],
+                    "fov_y_degrees": 34,
+                    "width": SIZE,
+                    "height": SIZE,
+                },
+                "materials": {
+                    "metal": {
+                        "type": "ggx",
+                        "diffuse": [0, 0, 0],
+                        "specular": [1, 1, 1],
+                        "roughness": roughness,
+                    },
+                    "wall": {"type": "diffuse", "diffuse": [0.6, 0.5, 0.3]},
+                    "ball": {"type": "diffuse", "diffuse": [0.8, 0.2, 0.2]},
+                    "block": {"type": "diffuse", "diffuse": [0.2, 0.4, 0.7]},
+                },
+                "objects": STILL_LIFE,
+                **light,
+            }
+        ),
+        Path(),
+    )
+
+
+def gloss_and_sky() -> tuple[Scene, tuple[float, float, float]]:
+    return still_life(0.35, environment={"map": [0.7, 0.9, 1.2]}, lights=[]), (0, 0, 0)
+
+
+def gloss_and_spot() -> tuple[Scene, tuple[float, float, float]]:
+    spot = {
+        "id": "spot",
+        "type": "spot",
+        "position": [1.2, 3.0, 2.0],
+        "target": [0.0, 0.2, -0.5],
+        "cone_degrees": 24,
+        "penumbra_degrees": 0,
+        "intensity": [20, 18, 14],
+    }
+    lamp = {
+        "id": "lamp",
+        "type": "area",
+        "position": [-2.2, 2.0, 1.0],
+        "target": [0, 0, 0],
+        "width": 0.8,
+        "height": 0.5,
+        "intensity": [3, 4, 6],
+    }
+    return still_life(0.447, lights=[spot, lamp]), (0, 0, 0)
+
+
+def blocks(image: np.ndarray) -> np.ndarray:
+    """(..., h, w, 3) -> (..., h / BLOCK, w / BLOCK, 3) means."""
+    lead, n = image.shape[:-3], SIZE // BLOCK
+    return image.reshape(*lead, n, BLOCK, n, BLOCK, 3).mean(axis=(-4, -2))
+
+
+def keep(name: str, **pictures: np.ndarray) -> str:
+    """Write pictures side by side for a person to look at; returns where."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    row = np.concatenate([np.clip(p, 0, 1) ** (1 / 2.2) for p in pictures.values()], axis=1)
+    path = OUT / f"{name}.png"
+    image = Image.fromarray((255 * row).astype(np.uint8))
+    image.resize((8 * image.width, 8 * image.height), Image.Resampling.NEAREST).save(path)
+    return f"{', '.join(pictures)} in {path.relative_to(OUT.parents[1])}"
+
+
+@pytest.mark.parametrize(
+    ("make", "our_samples", "their_samples"),
+    [(cornell_box, 1024, 64), (gloss_and_sky, 512, 24), (gloss_and_spot, 1024, 48)],
+)
+def test_same_picture(make, our_samples, their_samples, tmp_path):
+    scene, lamp_albedo = make()
+    ours = render(scene, samples=our_samples, seed=3)
+    each = twin.batches(twin.twin(scene, tmp_path, lamp_albedo), their_samples, BATCHES)
+    theirs = each.mean(axis=0)
+
+    # Welch's test, block by block and channel by channel: ours knows its variance from a thousand
+    # samples, theirs from BATCHES pictures.
+    our_variance = blocks(ours.variance.astype(np.float64)) / BLOCK**2
+    their_variance = blocks(each).var(axis=0, ddof=1) / BATCHES
+    variance = our_variance + their_variance
+    difference = blocks(ours.image) - blocks(theirs)
+    freedom = (BATCHES - 1) * (variance / their_variance) ** 2
+    p = 2 * stats.t.sf(np.abs(difference) / np.sqrt(variance), freedom)
+    sidak = 1 - (1 - FALSE_ALARM) ** (1 / p.size)
+
+    # The whole picture, where a wrong factor shows. The three channels of a sample go together, so
+    # their errors are taken to add up in full.
+    our_error = np.sqrt(np.square(np.sqrt(ours.variance).mean(axis=2)).sum()) / SIZE**2
+    their_totals = each.mean(axis=(1, 2, 3))
+    error = np.hypot(our_error, their_totals.std(ddof=1) / np.sqrt(BATCHES)) / ours.image.mean()
+    bias = ours.image.mean() / their_totals.mean() - 1
+    where = keep(
+        make.__name__,
+        ours=ours.image,
+        theirs=theirs,
+        z=np.kron(np.abs(difference) / np.sqrt(variance) / 8, np.ones((BLOCK, BLOCK, 1))),
+    )
+    assert p.min() > sidak, f"a block differs with p = {p.min():.2g}: {where}"
+    assert abs(bias) < 4 * error, f"{100 * bias:.2f} % of light too much: {where}"
+    assert error < 3e-3, "too noisy to see a wrong factor"
