@@ -208,12 +208,11 @@ def _without_coordinates(
     geometry: Geometry, table: MaterialTable, names: Sequence[str]
 ) -> list[Diagnosis]:
     """What to say of textured materials on surfaces without texture coordinates."""
-    bare = np.abs(geometry.uvs[geometry.triangles]).max(axis=(1, 2)) == 0
-    textured = (table.maps >= 0).any(axis=1)
-    hit = np.unique(geometry.material[bare & textured[geometry.material]])
-    whole = [
-        names[m] for m in hit if bare[geometry.material == m].all()
-    ]  # a single triangle may well lie at the origin of the texture
+    # A vertex may well lie at the origin of the texture, but hardly all of a material's.
+    count = np.bincount(geometry.material, minlength=len(names))
+    mapped = geometry.material[np.abs(geometry.uvs[geometry.triangles]).max(axis=(1, 2)) > 0]
+    bare = (count > 0) & (np.bincount(mapped, minlength=len(names)) == 0)
+    whole = [names[m] for m in np.flatnonzero(bare & (table.maps.max(axis=1) >= 0))]
     return [
         Diagnosis(
             "no_texture_coordinates",

@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from engine.scene.builtin import cornell_box
+from engine.scene.builtin import cornell_box, room
 
 BUILTIN: dict[str, tuple[str, Callable[[], dict[str, Any]]]] = {
     "cornell-box": (cornell_box.SUMMARY, cornell_box.document),
+    "room": (room.SUMMARY, room.document),
 }
