@@ -145,7 +145,7 @@ def chart(
     seed: Annotated[int, typer.Option(min=0, help="draws the light edits")] = 1,
     reference_error: Annotated[
         float, typer.Option(min=1e-4, max=1, help="relative L2 error of the references")
-    ] = 0.01,
+    ] = 0.05,
     set_: SetOption = None,
     size: SizeOption = None,
 ) -> None:

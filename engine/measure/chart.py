@@ -44,7 +44,7 @@ def draw(document: dict[str, Any]) -> Figure:
     lines = _lines(document)
     _set_up_axes(axes, document)
     _draw_front(axes, document)
-    _draw_noise(axes, document)
+    _draw_floor(axes, document)
     labels: list[tuple[float, float, str, str]] = []
     for number, ((method, knob), points) in enumerate(lines.items()):
         colour = COLOURS[number % len(COLOURS)]
@@ -108,7 +108,7 @@ def _set_up_axes(axes: Axes, document: dict[str, Any]) -> None:
     x = [_ms(p) for p in document["points"]]
     y = [_percent(p, document) for p in document["points"]]
     axes.set_xlim(min(x) / 1.35, max(x) * 1.6)
-    axes.set_ylim(min([*y, 100 * _noise(document)]) / 1.3, max(y) * 1.3)
+    axes.set_ylim(min([*y, 100 * _floor(document)]) / 1.3, max(y) * 1.3)
 
 
 def _draw_front(axes: Axes, document: dict[str, Any]) -> None:
@@ -136,12 +136,12 @@ def _draw_front(axes: Axes, document: dict[str, Any]) -> None:
     )
 
 
-def _draw_noise(axes: Axes, document: dict[str, Any]) -> None:
-    """What the references themselves are uncertain by."""
-    noise = 100 * _noise(document)
+def _draw_floor(axes: Axes, document: dict[str, Any]) -> None:
+    """Errors below this line are lost in the noise of the references."""
+    noise = 100 * _floor(document)
     axes.axhline(noise, color=GREY, linewidth=0.8, linestyle=(0, (4, 3)))
     axes.annotate(
-        "noise of the references",
+        "what the noise of the references hides",
         (axes.get_xlim()[0], noise),
         xytext=(4, 3),
         textcoords="offset points",
@@ -180,11 +180,12 @@ def _ms(point: Point) -> float:
 
 
 def _percent(point: Point, document: dict[str, Any]) -> float:
-    return 100 * float(point["error"][document["main_error"]])
+    # An error that noise hides can come out as 0, which a logarithm has no place for.
+    return 100 * max(float(point["error"][document["main_error"]]), _floor(document) / 4)
 
 
-def _noise(document: dict[str, Any]) -> float:
-    return float(np.sqrt(np.mean([r["error"] ** 2 for r in document["references"]])))
+def _floor(document: dict[str, Any]) -> float:
+    return float(np.sqrt(np.mean([r["floor"] ** 2 for r in document["references"]])))
 
 
 def _short(value: Any) -> str:

@@ -57,7 +57,8 @@ def sweep_document(sweep: Sweep, machine: Machine) -> dict[str, Any]:
         "edge_share": sweep.edge_share,
         "edits": [edit.model_dump(mode="json", exclude_none=True) for edit in sweep.edits],
         "references": [
-            {"error": t.error, "seconds": t.seconds, "samples": t.samples} for t in sweep.truths
+            {"error": t.error, "floor": floor, "seconds": t.seconds, "samples": t.samples}
+            for t, floor in zip(sweep.truths, sweep.floors, strict=True)
         ],
         "points": [_point(point, k in front) for k, point in enumerate(sweep.points)],
     }

@@ -22,16 +22,35 @@ Image = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 
 
-def relative_l2(image: Image, reference: Image, mask: Mask | None = None) -> float:
+def relative_l2(
+    image: Image, reference: Image, mask: Mask | None = None, variance: Image | None = None
+) -> float:
     """‖image - reference‖ / ‖reference‖ (`direct_to_indirect` §3.7), over the masked pixels.
 
-    Infinite where the reference is black and the image is not, 0 where both are.
+    Infinite where the reference is black and the image is not, 0 where both are. Where the
+    reference is a mean of random samples and `variance` (h, w, 3) that of each mean, its noise is
+    taken out: E‖image - mean‖² exceeds ‖image - truth‖² by Σ variance, and so does E‖mean‖².
     """
     a, b = _pair(image, reference, mask)
-    difference, norm = float(np.linalg.norm(a - b)), float(np.linalg.norm(b))
+    noise = 0.0 if variance is None else _noise(variance, mask)
+    difference = max(0.0, float(np.sum((a - b) ** 2)) - noise)
+    norm = max(0.0, float(np.sum(b**2)) - noise)
     if norm == 0.0:
         return math.inf if difference > 0.0 else 0.0
-    return difference / norm
+    return math.sqrt(difference / norm)
+
+
+def resolution(reference: Image, variance: Image, mask: Mask | None = None) -> float:
+    """The smallest `relative_l2` that a reference with this variance can tell from 0.
+
+    For a perfect image ‖image - mean‖² scatters about Σ variance with a variance of 2 Σ v², v the
+    sum over a pixel's channels, which may share their noise; this takes two standard deviations.
+    """
+    _, b = _pair(variance, reference, mask)
+    v = variance.astype(np.float64).sum(axis=2)
+    scatter = math.sqrt(2.0 * float(np.sum((v if mask is None else v[mask]) ** 2)))
+    norm = max(0.0, float(np.sum(b**2)) - _noise(variance, mask))
+    return math.sqrt(2.0 * scatter / norm) if norm > 0.0 else math.inf
 
 
 def rmse(image: Image, reference: Image, mask: Mask | None = None) -> float:
@@ -97,15 +116,27 @@ def auto_exposure(reference: Image) -> float:
     return -math.log2(bright) if bright > 0.0 else 0.0
 
 
-def all_metrics(image: Image, reference: Image, mask: Mask) -> dict[str, float]:
-    """Every metric without the masked-out pixels, and `relative_l2_everywhere` with them."""
+def all_metrics(
+    image: Image, reference: Image, mask: Mask, variance: Image | None = None
+) -> dict[str, float]:
+    """Every metric over the masked pixels, and `relative_l2_everywhere` over all.
+
+    With the variance of the reference, the relative errors are free of its noise; the other
+    figures hold it, so they never fall below what it alone gives.
+    """
     exposure = auto_exposure(reference)
     shown = {"psnr", "lab_difference", "flip_ldr"}
     figures = {
         name: metric(image, reference, mask, *([exposure] if name in shown else []))
         for name, metric in METRICS.items()
     }
-    return {**figures, "relative_l2_everywhere": relative_l2(image, reference)}
+    figures["relative_l2"] = relative_l2(image, reference, mask, variance)
+    everywhere = relative_l2(image, reference, None, variance)
+    return {**figures, "relative_l2_everywhere": everywhere}
+
+
+def _noise(variance: Image, mask: Mask | None) -> float:
+    return float((variance if mask is None else variance[mask]).sum(dtype=np.float64))
 
 
 def _shown(image: Image, exposure: float) -> NDArray[np.float32]:

@@ -45,11 +45,18 @@ class Point:
 
 @dataclass(frozen=True)
 class Sweep:
-    """All points of a scene, the edits they were judged on and the truth they were judged by."""
+    """All points of a scene.
+
+    edits       the light edits that they were judged on
+    truths      the reference of each
+    floors      per reference, the smallest error that its noise lets one see
+    edge_share  of the pixels, left out
+    """
 
     scene: Scene
     edits: list[Edits]
     truths: list[Truth]
+    floors: list[float]
     edge_share: float
     points: list[Point]
     seed: int

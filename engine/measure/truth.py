@@ -22,13 +22,15 @@ VERSION = 1
 class Truth:
     """A reference picture.
 
-    image    (h, w, 3) float32, linear radiance
-    error    its own relative L2 error, estimated from its variance
-    seconds  that it took, when it was rendered
-    samples  per pixel
+    image     (h, w, 3) float32, linear radiance
+    variance  (h, w, 3) float32, of each of its values
+    error     its own relative L2 error, estimated from its variance
+    seconds   that it took, when it was rendered
+    samples   per pixel
     """
 
     image: NDArray[np.float32]
+    variance: NDArray[np.float32]
     error: float
     seconds: float
     samples: int
@@ -45,11 +47,11 @@ def truth(
         result = render(edited, error=error, progress=progress)
         entry.write(
             "picture",
-            {"image": result.image},
+            {"image": result.image, "variance": result.variance},
             {"error": result.error, "seconds": result.seconds, "samples": result.samples},
         )
-        return Truth(result.image, result.error, result.seconds, result.samples)
-    return Truth(found.arrays["image"], **found.meta)
+        return Truth(result.image, result.variance, result.error, result.seconds, result.samples)
+    return Truth(found.arrays["image"], found.arrays["variance"], **found.meta)
 
 
 def _digest(scene: Scene, error: float) -> str:

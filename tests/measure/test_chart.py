@@ -56,7 +56,7 @@ def document() -> dict[str, Any]:
         "seed": 1,
         "main_error": "relative_l2",
         "edits": [{}, {}],
-        "references": [{"error": 0.01}, {"error": 0.01}],
+        "references": [{"floor": 0.01}, {"floor": 0.01}],
         "points": [
             {
                 "method": "direct_to_indirect",

@@ -152,3 +152,37 @@ def test_what_cannot_be_compared_is_refused(name: str, reference: Image, mask: N
         broken[5, 5, 1] = value
         with pytest.raises(InputError, match="NaN or infinity"):
             metric(broken, reference)
+
+
+def noisy(reference: Image, sigma: float, seed: int) -> Image:
+    noise = np.random.default_rng(seed).normal(0, sigma, reference.shape)
+    return (reference + noise).astype(np.float32)
+
+
+@pytest.mark.parametrize("bias", [0.03, 0.1])
+def test_the_noise_of_the_reference_is_taken_out(reference: Image, bias: float) -> None:
+    truth = np.tile(reference, (8, 8, 1))
+    image = np.float32(1 + bias) * truth
+    variance = np.full_like(truth, 0.05**2)
+    raw, clean = [], []
+    for seed in range(8):
+        mean = noisy(truth, 0.05, seed)
+        raw.append(metrics.relative_l2(image, mean))
+        clean.append(metrics.relative_l2(image, mean, variance=variance))
+    assert np.sqrt(np.mean(np.square(clean))) == pytest.approx(bias, rel=0.05)
+    assert np.mean(raw) > 1.3 * bias
+
+
+def test_resolution_bounds_what_noise_alone_gives(reference: Image, mask: NDArray) -> None:
+    truth = np.tile(reference, (4, 4, 1))
+    keep = np.tile(mask, (4, 4))
+    variance = np.full_like(truth, 0.05**2)
+    found, floors = [], []
+    for seed in range(40):
+        mean = noisy(truth, 0.05, seed)
+        found.append(metrics.relative_l2(truth, mean, keep, variance))
+        floors.append(metrics.resolution(mean, variance, keep))
+    below = np.mean(np.array(found) <= floors)
+    assert below >= 0.95
+    assert max(found) > 0.3 * np.mean(floors), "the bound is loose"
+    assert np.mean(floors) < metrics.relative_l2(mean, truth, keep) / 2
