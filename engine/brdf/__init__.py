@@ -8,11 +8,9 @@ and directions; kernels call those of `table`, one direction at a time.
 from engine.brdf.albedo import albedo, albedo_diagnosis, hemispherical_albedo
 from engine.brdf.arrays import evaluate, pdf, sample
 from engine.brdf.base import Material
-from engine.brdf.table import INDEX, MODELS, AnyMaterial
+from engine.brdf.table import AnyMaterial
 
 __all__ = [
-    "INDEX",
-    "MODELS",
     "AnyMaterial",
     "Material",
     "albedo",

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.brdf import INDEX, MODELS, Material
+from engine.brdf import Material
+from engine.brdf.table import INDEX, MODELS
 
 ROUGH_ANGLES = (0.0, 35.0, 70.0)
 BLACK = (0.0, 0.0, 0.0)

@@ -15,7 +15,8 @@ from brdf.materials import (
 )
 from pydantic import TypeAdapter, ValidationError
 
-from engine.brdf import INDEX, MODELS, AnyMaterial, Material, albedo, evaluate, pdf, sample
+from engine.brdf import AnyMaterial, Material, albedo, evaluate, pdf, sample
+from engine.brdf.table import INDEX, MODELS
 
 ALL = [*EXTREMES, *LOBES]
 every_material = pytest.mark.parametrize("material", ALL, ids=name_of)

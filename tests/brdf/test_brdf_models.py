@@ -8,8 +8,6 @@ import pytest
 from brdf.materials import BLACK, direction, hemisphere, model_and_row
 
 from engine.brdf import (
-    INDEX,
-    MODELS,
     albedo,
     albedo_diagnosis,
     evaluate,
@@ -21,6 +19,7 @@ from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
 from engine.brdf.phong import Phong
+from engine.brdf.table import INDEX, MODELS
 
 WHITE = (1.0, 1.0, 1.0)
 SHARPNESS = (0.0, 1.0, 7.0, 60.0, 3000.0)
