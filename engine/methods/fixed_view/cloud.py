@@ -7,18 +7,21 @@ is sampled uniformly, or a budget of one, for which a side is drawn by area.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.brdf import INDEX, hemispherical_albedo
+from engine.brdf import hemispherical_albedo
+from engine.brdf.table import INDEX
 from engine.brdf.base import ROW
 from engine.brdf.diffuse import Diffuse
 from engine.errors import SceneError
 from engine.methods.fixed_view.frame_buffer import Points, no_points
-from engine.methods.fixed_view.hierarchy import Clusters, build_clusters
+from engine.methods.fixed_view.hierarchy import Clusters, build_order, describe_clusters
 from engine.methods.fixed_view.sides import exposed_sides
 from engine.numerics.parallel import for_ranges
 from engine.numerics.sampling import uniform
@@ -26,8 +29,8 @@ from engine.numerics.vec import scale
 from engine.scene import surface
 from engine.scene.scene import Scene
 
-
 ALBEDO_POINTS = 256
+_STORED = ("position", "normal", "geometric", "object", "material")
 
 
 @dataclass(frozen=True)
@@ -74,16 +77,43 @@ def build_cloud(
     triangle = picked // 2
     points = _describe(scene, triangle, (picked & 1).astype(np.bool_), barycentric)
 
-    order, clusters = build_clusters(
-        points.position, points.normal, scene.diagonal, normal_weight, total / count
-    )
+    order = build_order(points.position, points.normal, scene.diagonal, normal_weight)
     points = points.take(order)
-    albedo = equivalent_albedo(points)
-    emission = scene.material_table.emission[points.material]
-    points.model[:] = INDEX[Diffuse]
-    points.row[:] = 0
-    points.row[:, :3] = albedo
-    return GatherCloud(points, albedo, emission, total / count, clusters)
+    arrays = {
+        "position": points.position,
+        "normal": points.normal,
+        "geometric": points.geometric,
+        "albedo": equivalent_albedo(points),
+        "emission": scene.material_table.emission[points.material],
+        "object": points.object,
+        "material": points.material,
+    }
+    return cloud_from(arrays, total / count)
+
+
+def cloud_from(arrays: Mapping[str, NDArray[Any]], area: float) -> GatherCloud:
+    """The cloud of arrays in tree order, as `cloud_arrays` gives them."""
+    n = len(arrays["position"])
+    row = np.zeros((n, ROW), np.float32)
+    row[:, :3] = arrays["albedo"]
+    points = Points(
+        position=arrays["position"],
+        normal=arrays["normal"],
+        geometric=arrays["geometric"],
+        view=arrays["normal"],
+        model=np.full(n, INDEX[Diffuse], np.int32),
+        row=row,
+        object=arrays["object"],
+        material=arrays["material"],
+    )
+    clusters = describe_clusters(points.position, points.normal, area)
+    return GatherCloud(points, arrays["albedo"], arrays["emission"], area, clusters)
+
+
+def cloud_arrays(cloud: GatherCloud) -> dict[str, NDArray[Any]]:
+    """What `cloud_from` needs besides the area."""
+    points = {name: getattr(cloud.points, name) for name in _STORED}
+    return {**points, "albedo": cloud.albedo, "emission": cloud.emission}
 
 
 def equivalent_albedo(points: Points) -> NDArray[np.float32]:
