@@ -16,9 +16,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.brdf import hemispherical_albedo
-from engine.brdf.table import INDEX
 from engine.brdf.base import ROW
 from engine.brdf.diffuse import Diffuse
+from engine.brdf.table import INDEX
 from engine.errors import SceneError
 from engine.methods.fixed_view.frame_buffer import Points, no_points
 from engine.methods.fixed_view.hierarchy import Clusters, build_order, describe_clusters
