@@ -29,23 +29,23 @@ class SpotLight(Light):
         float, Field(ge=0.1, le=90, description="from the axis to the rim of the outer cone")
     ] = 30.0
     penumbra_degrees: Annotated[
-        float, Field(ge=0, le=90, description="from the rim inwards, where the light falls off")
+        float,
+        Field(
+            ge=0,
+            le=90,
+            description="from the rim inwards, where the light falls off; to the axis at most",
+        ),
     ] = 10.0
 
     @model_validator(mode="after")
-    def _is_a_cone(self) -> SpotLight:
+    def _has_an_axis(self) -> SpotLight:
         unit(np.subtract(self.target, self.position), "position and target are the same point")
-        if self.penumbra_degrees > self.cone_degrees:
-            raise ValueError(
-                f"penumbra_degrees {self.penumbra_degrees:g} is more than cone_degrees "
-                f"{self.cone_degrees:g}"
-            )
         return self
 
     def row(self) -> NDArray[np.float32]:
         """See `Light.row`; then 1 - cos of the outer and of the inner cone."""
         outer = math.radians(self.cone_degrees)
-        inner = outer - math.radians(self.penumbra_degrees)
+        inner = max(0.0, outer - math.radians(self.penumbra_degrees))
         row = np.zeros(ROW, np.float32)
         row[POSITION : POSITION + 3] = self.position
         row[DIRECTION : DIRECTION + 3] = unit(np.subtract(self.target, self.position))

@@ -191,16 +191,19 @@ def test_area_light_stands_as_described() -> None:
     assert emitted(both, (0.4, 0.4, 0), (0, 0, 1))[0, 0] == 5
 
 
-@pytest.mark.parametrize("penumbra", [0.0, 4.0, 30.0])
+@pytest.mark.parametrize("penumbra", [0.0, 4.0, 30.0, 50.0])
 def test_spot_power(penumbra: float) -> None:
-    """Over all directions it emits 2π I (1 - (cos inner + cos outer) / 2)."""
+    """Over all directions it emits 2π I (1 - (cos inner + cos outer) / 2).
+
+    A penumbra that is wider than the cone ends at the axis.
+    """
     light = SpotLight(
         id="s", position=(0, 0, 0), target=(0, 0, 3), cone_degrees=30, penumbra_degrees=penumbra
     )
     cosine = 1 - (np.arange(20000) + 0.5) / 20000 * 0.2
     x = np.column_stack([np.sqrt(1 - cosine**2), np.zeros_like(cosine), cosine])
     power = 2 * math.pi * illuminate(light, x, (0, 0))[:, 4].mean() * 0.2
-    inner = math.cos(math.radians(30 - penumbra))
+    inner = math.cos(math.radians(max(0, 30 - penumbra)))
     expected = 2 * math.pi * (1 - (inner + math.cos(math.radians(30))) / 2)
     assert power == pytest.approx(expected, rel=1e-3)
 
@@ -243,10 +246,6 @@ def test_distant_light() -> None:
     ("document", "words"),
     [
         ({"type": "spot", "position": [1, 2, 3], "target": [1, 2, 3]}, "the same point"),
-        (
-            {"type": "spot", "position": [0, 0, 0], "target": [1, 0, 0], "cone_degrees": 5},
-            "penumbra_degrees 10 is more than cone_degrees 5",
-        ),
         ({"type": "area", "position": [1, 2, 3], "target": [1, 2, 3]}, "the same point"),
         (
             {"type": "area", "position": [0, 0, 0], "target": [1, 0, 0], "width": 0},
