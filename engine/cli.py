@@ -11,27 +11,24 @@ import dataclasses
 import json
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
-import rich.progress
 import typer
 from pydantic import ValidationError
-from rich.console import Console
 from rich.table import Table
 
-from engine.diagnosis import Diagnosis
 from engine.errors import InputError, NotFound, RelightError
 from engine.images import write_image
 from engine.measure.settings import parse_assignments, parse_value, settings_from
 from engine.methods import METHODS, prepare
-from engine.methods.base import Progress
 from engine.reference import render as render_reference
 from engine.scene.edits import Edits, apply, edited_camera, problems
 from engine.scene.open import open_scene
 from engine.scene.open import scenes as builtin_scenes
 from engine.scene.scene import Scene
+from engine.terminal import complain, out, progress_bars, warn
 
 app = typer.Typer(
     help="Drag a light and see the scene relit at once, shadows and indirect light included.",
@@ -39,7 +36,6 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-out, err = Console(soft_wrap=True), Console(stderr=True, soft_wrap=True)
 
 SceneArgument = Annotated[
     str,
@@ -74,7 +70,7 @@ def precompute(
     """Precompute a scene into the store; what is there already is kept."""
     opened = _open(scene, size)
     settings = _settings(method, set_)
-    with _bars() as progress:
+    with progress_bars() as progress:
         product = prepare(opened, method, settings, progress=progress)
     out.print(f"{method} of {opened.name}: {product.bytes / 1e6:.1f} MB")
     for name, value in dataclasses.asdict(product.settings).items():
@@ -108,7 +104,7 @@ def render(
     if method == "reference":
         if set_:
             raise InputError("the reference has no settings; it takes --error and --samples")
-        with _bars() as progress:
+        with progress_bars() as progress:
             result = render_reference(
                 apply(opened, change), error=error, samples=samples, seed=seed, progress=progress
             )
@@ -122,11 +118,11 @@ def render(
         raise InputError("--error and --samples are for --method reference; see --set")
     # Another camera is another precompute, not an edit that a product could take.
     opened = opened.with_camera(edited_camera(opened.camera, change.camera))
-    with _bars() as progress:
+    with progress_bars() as progress:
         product = prepare(opened, method, _settings(method, set_), progress=progress)
     frame = product.relight(change.model_copy(update={"camera": None}))
     write_image(to, frame.image, exposure)
-    _warn(frame.warnings)
+    warn(frame.warnings)
     out.print(f"{to}: {1000 * frame.timings['total']:.1f} ms")
 
 
@@ -157,7 +153,7 @@ def chart(
         from engine.measure.sweep import sweep as run_sweep
     opened = _open(scene, size)
     methods = [_known(name) for name in method or [DEFAULT_METHOD]]
-    with _bars() as progress:
+    with progress_bars() as progress:
         result = run_sweep(
             opened,
             methods,
@@ -187,7 +183,7 @@ def bench(
         from engine.measure.bench import SCENES
         from engine.measure.bench import bench as run_bench
         from engine.measure.report import bench_tables
-    with _bars() as progress:
+    with progress_bars() as progress:
         document = run_bench(scenes or SCENES, progress)
     if history is not None:
         history.parent.mkdir(parents=True, exist_ok=True)
@@ -223,18 +219,13 @@ def main() -> None:
     try:
         app()
     except RelightError as error:
-        err.print(f"[bold red]relight:[/] {_line(str(error))}", highlight=False)
+        complain("bold red", "relight", str(error))
         sys.exit(2 if isinstance(error, InputError | NotFound) else 1)
-
-
-def _line(text: str) -> str:
-    """Text as one line that rich takes literally."""
-    return " ".join(text.split()).replace("[", r"\[")
 
 
 def _open(source: str, size: str | None) -> Scene:
     scene = open_scene(source)
-    _warn(scene.diagnoses)
+    warn(scene.diagnoses)
     if size is None:
         return scene
     numbers = re.fullmatch(r"(\d+)x(\d+)", size)
@@ -272,33 +263,6 @@ def _read_edits(path: Path | None) -> Edits:
     except ValidationError as error:
         problem = problems(error, "")
         raise InputError(problem.message, field=problem.field.strip("."), file=str(path)) from None
-
-
-def _warn(diagnoses: Iterable[Diagnosis]) -> None:
-    for diagnosis in diagnoses:
-        err.print(f"[yellow]warning:[/] {_line(diagnosis.message)}", highlight=False)
-
-
-@contextlib.contextmanager
-def _bars() -> Iterator[Progress]:
-    """A bar per phase, on standard error."""
-    columns = (
-        rich.progress.TextColumn("{task.description:>24}"),
-        rich.progress.BarColumn(),
-        rich.progress.TaskProgressColumn(),
-        rich.progress.TimeElapsedColumn(),
-        rich.progress.TimeRemainingColumn(),
-    )
-    with rich.progress.Progress(*columns, console=err) as bars:
-        tasks: dict[str, rich.progress.TaskID] = {}
-
-        def progress(phase: str, done: float, total: float) -> None:
-            if phase not in tasks:
-                tasks[phase] = bars.add_task(phase)
-            # A phase that comes again, for another picture or setting, starts its bar again.
-            bars.update(tasks[phase], completed=done, total=total)
-
-        yield progress
 
 
 @contextlib.contextmanager
