@@ -212,7 +212,7 @@ def _without_coordinates(
     count = np.bincount(geometry.material, minlength=len(names))
     mapped = geometry.material[np.abs(geometry.uvs[geometry.triangles]).max(axis=(1, 2)) > 0]
     bare = (count > 0) & (np.bincount(mapped, minlength=len(names)) == 0)
-    whole = [names[m] for m in np.flatnonzero(bare & (table.maps.max(axis=1) >= 0))]
+    whole = [names[m] for m in np.flatnonzero(bare & (table.maps.max(axis=1) >= 0)).tolist()]
     return [
         Diagnosis(
             "no_texture_coordinates",

@@ -13,11 +13,11 @@ Path = tuple[str | int, ...]
 
 def explain(error: ValidationError, document: Any, schema: dict[str, Any]) -> tuple[str, str]:
     """(dotted path, sentence) of the first problem of `document`, which `schema` describes."""
-    found = [(_path(problem["loc"], document), problem) for problem in error.errors()]
+    found = [(_path(problem, document), problem) for problem in error.errors()]
     # Where several forms are allowed, the one that got furthest is the one that was meant.
     path, problem = found[0]
     for other, candidate in found[1:]:
-        if len(other) > len(path) and other[: len(path)] == path:
+        if other[: len(path)] == path and _reach(other, candidate) > _reach(path, problem):
             path, problem = other, candidate
     sentence = _sentence(path, problem, document, schema)
     if problem["type"] == "missing" and isinstance(path[-1], int):
@@ -30,7 +30,7 @@ def explain(error: ValidationError, document: Any, schema: dict[str, Any]) -> tu
 def closest(word: str, words: Iterable[str]) -> str:
     """Which of the words was meant, as the end of a sentence."""
     words = sorted(words)
-    near = difflib.get_close_matches(word, words, n=3, cutoff=0.5)
+    near = difflib.get_close_matches(word, words, n=2, cutoff=0.6)
     if near:
         return f"did you mean {' or '.join(near)}?"
     if len(words) > 12:
@@ -38,8 +38,14 @@ def closest(word: str, words: Iterable[str]) -> str:
     return f"known: {', '.join(words)}" if words else "there are none"
 
 
-def _path(location: Path, document: Any) -> Path:
+def _reach(path: Path, problem: Any) -> tuple[int, bool]:
+    """How far a form fitted: how deep, and whether it was at least of the right kind there."""
+    return len(path), not problem["type"].endswith("_type")
+
+
+def _path(problem: Any, document: Any) -> Path:
     """The location without the names of alternatives, which are no part of the document."""
+    location: Path = problem["loc"]
     if document is None:
         return tuple(part for part in location if str(part).islower() or isinstance(part, int))
     path: list[str | int] = []
@@ -56,10 +62,7 @@ def _path(location: Path, document: Any) -> Path:
             continue
         entry = isinstance(value, dict) and part in value
         item = isinstance(value, list | tuple) and isinstance(part, int) and part < len(value)
-        absent = k == len(location) - 1 and (
-            (isinstance(value, dict) and str(part).islower())
-            or (isinstance(value, list | tuple) and isinstance(part, int))
-        )
+        absent = k == len(location) - 1 and problem["type"] == "missing"
         if entry or item:
             value, chosen = value[part], False
         elif not absent:
