@@ -18,8 +18,9 @@ from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from engine.light.base import DIRECTION, EXTRA, INTENSITY, POSITION, ROW, Light, unit
+from engine.light.base import DIRECTION, EXTRA, INTENSITY, POSITION, ROW, Light, towards, unit
 from engine.numerics.description import Point
+from engine.numerics.vec import cross
 
 NEAREST = 1e-9  # metres in front of the lamp, below which x lies in its plane and gets nothing
 SMALL = 1e-6  # steradians below which the difference of angles loses its digits
@@ -43,25 +44,25 @@ class AreaLight(Light):
 
     @model_validator(mode="after")
     def _has_a_front(self) -> AreaLight:
-        unit(np.subtract(self.target, self.position), "position and target are the same point")
-        unit(np.asarray(self.up), "up is zero")
+        towards(self.position, self.target)
+        unit(self.up, "up is zero")
         return self
 
     def row(self) -> NDArray[np.float32]:
         """See `Light.row`; then the unit vectors along width and height, half sizes, area."""
-        normal = unit(np.subtract(self.target, self.position))
-        across = np.cross(unit(np.asarray(self.up)), normal)
-        if np.linalg.norm(across) < 1e-6:
-            across = np.cross((0.0, 0.0, 1.0), normal)
-            if np.linalg.norm(across) < 1e-6:  # up and normal both run along z
-                across = np.array((1.0, 0.0, 0.0))
+        normal = towards(self.position, self.target)
+        # The z axis stands in for an up along the normal, the y axis for it in turn.
+        for up in (unit(self.up), (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)):
+            across = cross.py_func(up, normal)
+            if math.hypot(*across) > 1e-6:
+                break
         across = unit(across)
         row = np.zeros(ROW, np.float32)
         row[POSITION : POSITION + 3] = self.position
         row[DIRECTION : DIRECTION + 3] = normal
         row[INTENSITY : INTENSITY + 3] = self.intensity
         row[EXTRA : EXTRA + 3] = across
-        row[EXTRA + 3 : EXTRA + 6] = np.cross(normal, across)
+        row[EXTRA + 3 : EXTRA + 6] = cross.py_func(normal, across)
         row[EXTRA + 6 : EXTRA + 9] = self.width / 2, self.height / 2, self.width * self.height
         return row
 

@@ -19,13 +19,15 @@ for x on the light. Shadows are the caller's business.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+import math
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
 from engine.numerics.description import Description, Radiance
+from engine.numerics.vec import Vec
 
 ROW = 24
 POSITION, DIRECTION, INTENSITY, EXTRA = 0, 3, 6, 9
@@ -45,9 +47,15 @@ class Light(Description):
         raise NotImplementedError
 
 
-def unit(vector: NDArray[Any], problem: str = "a direction is zero") -> NDArray[np.float64]:
-    """vector (3,) at unit length; ValueError, saying `problem`, where it has none."""
-    length = float(np.linalg.norm(vector))
+def unit(v: Vec, problem: str = "a direction is zero") -> Vec:
+    """v at unit length; ValueError, saying `problem`, where it has none."""
+    length = math.hypot(*v)
     if length < 1e-9:
         raise ValueError(problem)
-    return np.asarray(vector, np.float64) / length
+    return (v[0] / length, v[1] / length, v[2] / length)
+
+
+def towards(position: Vec, target: Vec) -> Vec:
+    """Unit direction from position to target; ValueError where they are the same."""
+    x, y, z = (b - a for a, b in zip(position, target, strict=True))
+    return unit((x, y, z), "position and target are the same point")

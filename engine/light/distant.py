@@ -25,13 +25,13 @@ class DistantLight(Light):
 
     @model_validator(mode="after")
     def _has_direction(self) -> DistantLight:
-        unit(np.asarray(self.direction), "direction is zero")
+        unit(self.direction, "direction is zero")
         return self
 
     def row(self) -> NDArray[np.float32]:
         """See `Light.row`."""
         row = np.zeros(ROW, np.float32)
-        row[DIRECTION : DIRECTION + 3] = unit(np.asarray(self.direction))
+        row[DIRECTION : DIRECTION + 3] = unit(self.direction)
         row[INTENSITY : INTENSITY + 3] = self.intensity
         return row
 

@@ -15,7 +15,7 @@ from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from engine.light.base import DIRECTION, EXTRA, INTENSITY, POSITION, ROW, Light, unit
+from engine.light.base import DIRECTION, EXTRA, INTENSITY, POSITION, ROW, Light, towards
 from engine.numerics.description import Point
 
 
@@ -39,7 +39,7 @@ class SpotLight(Light):
 
     @model_validator(mode="after")
     def _has_an_axis(self) -> SpotLight:
-        unit(np.subtract(self.target, self.position), "position and target are the same point")
+        towards(self.position, self.target)
         return self
 
     def row(self) -> NDArray[np.float32]:
@@ -48,7 +48,7 @@ class SpotLight(Light):
         inner = max(0.0, outer - math.radians(self.penumbra_degrees))
         row = np.zeros(ROW, np.float32)
         row[POSITION : POSITION + 3] = self.position
-        row[DIRECTION : DIRECTION + 3] = unit(np.subtract(self.target, self.position))
+        row[DIRECTION : DIRECTION + 3] = towards(self.position, self.target)
         row[INTENSITY : INTENSITY + 3] = self.intensity
         # 1 - cos keeps its digits where the cone is narrow.
         row[EXTRA : EXTRA + 2] = 2 * math.sin(outer / 2) ** 2, 2 * math.sin(inner / 2) ** 2
