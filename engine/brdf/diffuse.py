@@ -6,11 +6,12 @@ f = ρ / π; reciprocal; its albedo is ρ.
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from pydantic import Field
 
 from engine.brdf.base import Material, diffuse_colour
 from engine.numerics.description import Reflectance
@@ -22,7 +23,7 @@ class Diffuse(Material):
     """A matt surface."""
 
     type: Literal["diffuse"] = "diffuse"
-    diffuse: Reflectance = (0.5, 0.5, 0.5)
+    diffuse: Annotated[Reflectance, Field(description="ρ, the albedo")] = (0.5, 0.5, 0.5)
 
     def row(self) -> NDArray[np.float32]:
         """See `Material.row`."""

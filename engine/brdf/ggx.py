@@ -16,7 +16,7 @@ over the hemisphere, which for Schlick's F is 1 - F0 - (F90 - F0) / 21. The base
 ρ (1 - F(θ_o)).
 
 Both parts are reciprocal. Light that bounces between facets is lost: at `roughness` 1 white facets
-seen from above keep 31 % of it, at 0.5 still 97 %.
+seen from above keep 31 % of it, at 0.5 still 92 %.
 """
 
 from __future__ import annotations

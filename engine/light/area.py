@@ -28,7 +28,7 @@ Size = Annotated[float, Field(ge=1e-4, le=1e6)]
 
 
 class AreaLight(Light):
-    """A one-sided rectangular lamp."""
+    """A one-sided rectangular lamp; intensity is its radiance, in W·sr⁻¹·m⁻²."""
 
     type: Literal["area"] = "area"
     position: Annotated[Point, Field(description="its centre")]

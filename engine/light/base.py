@@ -37,7 +37,9 @@ class Light(Description):
     """What every light has, whatever its type."""
 
     id: str = Field(min_length=1, max_length=64, description="unique name within the scene")
-    intensity: Radiance = (1.0, 1.0, 1.0)
+    intensity: Radiance = Field(
+        (1.0, 1.0, 1.0), description="linear RGB; its unit is the light's own, see there"
+    )
     enabled: bool = True
 
     has_extent: ClassVar[bool] = False

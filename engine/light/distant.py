@@ -18,7 +18,7 @@ from engine.numerics.description import Point
 
 
 class DistantLight(Light):
-    """A directional light."""
+    """Parallel light; intensity is the irradiance of a surface that faces it, in W·m⁻²."""
 
     type: Literal["distant"] = "distant"
     direction: Annotated[Point, Field(description="where the light travels, of any length")]

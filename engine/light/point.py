@@ -14,7 +14,7 @@ from engine.numerics.description import Point
 
 
 class PointLight(Light):
-    """An omnidirectional point light."""
+    """A point that shines in all directions; intensity in W·sr⁻¹."""
 
     type: Literal["point"] = "point"
     position: Point

@@ -20,7 +20,7 @@ from engine.numerics.description import Point
 
 
 class SpotLight(Light):
-    """A spot light without extent."""
+    """A point that shines into a cone; intensity on its axis, in W·sr⁻¹."""
 
     type: Literal["spot"] = "spot"
     position: Point
