@@ -19,7 +19,7 @@ from engine.numerics.frames import to_local, to_world
 from engine.numerics.vec import add, mul, scale, vec
 from engine.reference.accumulate import accumulate
 from engine.reference.limits import Limits
-from engine.reference.paths import Paths, add_unshadowed, shadows
+from engine.reference.paths import Paths, add_unshadowed, bounce_paths, paths, shadows
 from engine.reference.result import Reference
 from engine.reference.vertex import (
     SCATTER,
@@ -27,7 +27,6 @@ from engine.reference.vertex import (
     light_sample,
     number,
     reflect_towards,
-    seen,
 )
 from engine.reference.world import World, emission
 from engine.scene.scene import Scene
@@ -59,8 +58,9 @@ def _trace(
     n = len(index)
     radiance = np.zeros((n, 6))
     hits = scene.rays.intersect(rays.origin, rays.direction)
-    _see(packed, rays, hits, radiance)
     shadow = shadows(n)
+    # What the camera's own rays see shine: paths that end before their first reflection.
+    bounce_paths(packed, seed, 0, 0, rays, n, hits, index, radiance, shadow, paths(0))
     # Local lights and the environment; the last of `light_sample` is left to BRDF sampling.
     for light in range(len(packed.lights.kind) + 1):
         _ask(packed, seed, light, index, rays, hits, shadow)
@@ -70,17 +70,6 @@ def _trace(
     bounced = scene.rays.intersect(shadow.origin, shadow.direction)
     _meet(packed, bounced, shadow, radiance)
     return radiance, n * (len(packed.lights.kind) + 3)
-
-
-@njit(cache=True, nogil=True)
-def _see(world, rays, hits, radiance):
-    """Add what the camera's own rays see shine."""
-    world, rays, hits = borrow(world), borrow(rays), borrow(hits)
-    for k in range(radiance.shape[0]):
-        o, d = vec(rays.origin, k), vec(rays.direction, k)
-        light = seen(world, o, d, np.float64(hits.distance[k]), hits.triangle[k], -1.0)
-        for c in range(3):
-            radiance[k, c] += light[c]
 
 
 @njit(inline="always")
