@@ -139,16 +139,19 @@ def _room_camera(
     places = np.stack([x.ravel(), np.full(x.size, eye), z.ravel()], axis=1)
     clearance = 0.03 * float(np.linalg.norm(high - low))
     places = places[[_has_air(geometry, rays, place, clearance) for place in places]]
-    best, found = -1.0, None
+    # Look a little down, as people do; one fan of rays serves all places and directions.
+    cameras = [
+        _camera(np.zeros(3), np.array([math.sin(yaw), -0.2, math.cos(yaw)]), ROOM_FOV_Y_DEGREES)
+        for yaw in 2 * np.pi * np.arange(yaws) / yaws
+    ]
+    fan = np.concatenate([_coarse_rays(camera) for camera in cameras])
+    best, found = 0.0, None
     for place in places:
-        for k in range(yaws):
-            angle = 2 * np.pi * k / yaws
-            # Look a little down, as people do.
-            ahead = np.array([math.sin(angle), -0.2, math.cos(angle)])
-            camera = _camera(place, place + ahead, ROOM_FOV_Y_DEGREES)
-            score = _view(geometry, rays, camera)
-            if score > best:
-                best, found = score, camera
+        scores = _views(geometry, rays, place, fan, yaws)
+        if scores.max() > best:
+            best = float(scores.max())
+            target = place + np.array(cameras[int(np.argmax(scores))].target)
+            found = _camera(place, target, ROOM_FOV_Y_DEGREES)
     return found
 
 
@@ -165,18 +168,28 @@ def _has_air(
     return bool(_faces(geometry, hit.triangle[found], directions[found]).mean() > 0.8)
 
 
-def _view(geometry: Geometry, rays: RayTracer, camera: Camera) -> float:
-    """How much there is to see: depth of the picture times the number of things in it."""
-    columns, rows = 16, 12
-    y, x = np.mgrid[0:rows, 0:columns].reshape(2, -1) + 0.5
-    directions = camera.directions(x * WIDTH / columns, y * HEIGHT / rows)
-    origins = np.tile(np.array(camera.position, np.float32), (len(directions), 1))
-    hit = rays.intersect(origins, directions)
+def _coarse_rays(camera: Camera) -> NDArray[np.float32]:
+    """(192, 3) directions of a picture of 16 x 12 pixels."""
+    y, x = np.mgrid[0:12, 0:16].reshape(2, -1) + 0.5
+    return camera.directions(x * WIDTH / 16, y * HEIGHT / 12)
+
+
+def _views(
+    geometry: Geometry,
+    rays: RayTracer,
+    place: NDArray[np.float64],
+    fan: NDArray[np.float32],
+    pictures: int,
+) -> NDArray[np.float64]:
+    """(pictures,) how much there is to see: the depth of a picture times the things in it."""
+    hit = rays.intersect(np.tile(place.astype(np.float32), (len(fan), 1)), fan)
     found = hit.triangle >= 0
-    if found.mean() < 0.9:
-        return 0.0
-    distance = hit.distance[found]
-    things = len(np.unique(geometry.material[hit.triangle[found]]))
-    front = _faces(geometry, hit.triangle[found], directions[found]).mean()
-    near = float(np.quantile(distance, 0.1))
-    return float(np.median(distance) + near) * things * float(front)
+    front = np.zeros(len(fan), bool)
+    front[found] = _faces(geometry, hit.triangle[found], fan[found])
+    distance = np.where(found, hit.distance, 0).reshape(pictures, -1)
+    things = np.where(found, geometry.material[hit.triangle], -1).reshape(pictures, -1)
+    front, found = front.reshape(pictures, -1), found.reshape(pictures, -1)
+    scores = np.median(distance, axis=1) + np.quantile(distance, 0.1, axis=1)
+    scores *= [len(np.unique(row[row >= 0])) for row in things]
+    scores *= front.mean(axis=1)
+    return np.where(found.mean(axis=1) < 0.9, 0.0, scores)

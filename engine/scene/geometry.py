@@ -72,7 +72,7 @@ def _with_usable_normals(part: Part) -> Part:
         used[part.triangles] = True
         if np.all(np.isfinite(length) & (length > 1e-6), where=used):
             return part
-    return with_normals(part)
+    return with_normals(part) if len(part.triangles) else part
 
 
 def _in_world(part: Part, matrix: NDArray[np.float64]) -> Part:

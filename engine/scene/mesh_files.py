@@ -109,9 +109,10 @@ def _trimesh_scene(content: bytes, kind: str, companions: Companions, name: str)
                 process=False,
             )
     except IndexError:
-        raise SceneError(
-            "a face refers to a vertex that the file does not have", file=name
-        ) from None
+        reason = "a face refers to a vertex that the file does not have"
+        if kind != "obj":
+            reason = f"cannot be read as {kind.upper()}: it is cut short or its indices are wrong"
+        raise SceneError(reason, file=name) from None
     except Exception as error:  # trimesh raises whatever its parsers run into
         reason = str(error) or type(error).__name__
         raise SceneError(f"cannot be read as {kind.upper()}: {reason}", file=name) from None

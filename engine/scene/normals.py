@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from engine.scene.part import Part
 
 CREASE_DEGREES = 40.0
+WELD = 1e-7  # of the longest side of the bounds: what float32 cannot tell apart
 MAX_VALENCE = 512  # corners at one point; beyond that each triangle keeps its own normal
 
 
@@ -22,8 +23,11 @@ def with_normals(part: Part) -> Part:
     1998): independent of how a flat face is cut into triangles.
     """
     corners = part.positions[part.triangles]
-    # Weld: vertices at the same place are one, whatever the file says.
-    _, place = np.unique(part.positions, axis=0, return_inverse=True)
+    # Weld: vertices at the same place are one, whatever the file says, but for rounding.
+    low, high = part.positions.min(axis=0), part.positions.max(axis=0)
+    step = max(float(np.max(high - low)) * WELD, 1e-30)
+    grid = np.rint((part.positions - low) / step).astype(np.int64)
+    _, place = np.unique(grid, axis=0, return_inverse=True)
     place = place.reshape(-1)[part.triangles].reshape(-1)
     order = np.argsort(place, kind="stable")
     starts = np.concatenate([[0], np.cumsum(np.bincount(place))])
@@ -40,13 +44,16 @@ def with_normals(part: Part) -> Part:
         math.cos(math.radians(CREASE_DEGREES)),
         normals,
     )
-    # One vertex for every different pair of old vertex and normal.
-    key = np.empty((len(normals), 4), np.int64)  # noqa: TID251 (filled on the next two lines)
-    key[:, 0] = part.triangles.reshape(-1)
-    key[:, 1:] = np.rint(normals * 1e5)
-    packed = key.view([("", np.int64)] * 4).reshape(-1)
+    # One vertex for every different triple of place, texture coordinates and normal.
+    old = part.triangles.reshape(-1)
+    key = np.zeros((len(normals), 5), np.int64)
+    key[:, 0] = place
+    if part.uvs is not None:
+        key[:, 1] = np.unique(part.uvs, axis=0, return_inverse=True)[1].reshape(-1)[old]
+    key[:, 2:] = np.rint(normals * 1e5)
+    packed = key.view([("", np.int64)] * 5).reshape(-1)
     _, first, index = np.unique(packed, return_index=True, return_inverse=True)
-    old = part.triangles.reshape(-1)[first]
+    old = old[first]
     return Part(
         part.positions[old],
         index.reshape(-1, 3),

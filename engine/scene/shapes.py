@@ -133,10 +133,9 @@ def _grid_triangles(rows: int, columns: int) -> NDArray[np.int64]:
 def _sphere(shape: Sphere) -> Part:
     rings, around = shape.rings, 2 * shape.rings
     v, u = np.mgrid[0 : rings + 1, 0 : around + 1].reshape(2, -1) / np.array([[rings], [around]])
-    theta, phi = np.pi * v, 2 * np.pi * u
-    normals = np.stack(
-        [np.sin(theta) * np.sin(phi), -np.cos(theta), np.sin(theta) * np.cos(phi)], axis=1
-    )
+    theta, phi = np.pi * v, 2 * np.pi * (u % 1)  # the seam closes exactly
+    ring = np.where(v == 1, 0, np.sin(theta))  # sin π is not 0 in floating point
+    normals = np.stack([ring * np.sin(phi), -np.cos(theta), ring * np.cos(phi)], axis=1)
     triangles = _grid_triangles(rings, around)
     # At the poles one of each quadrilateral's two triangles has no area.
     row = triangles // (around + 1)
@@ -169,7 +168,7 @@ def _disk(shape: Disk) -> Part:
 def _cylinder(shape: Cylinder) -> Part:
     low, high = shape.radius, shape.radius if shape.top_radius is None else shape.top_radius
     v, u = np.mgrid[0:2, 0 : shape.sides + 1].reshape(2, -1) / np.array([[1], [shape.sides]])
-    phi, radius = 2 * np.pi * u, low + (high - low) * v
+    phi, radius = 2 * np.pi * (u % 1), low + (high - low) * v
     side = np.stack([radius * np.sin(phi), shape.height * (v - 0.5), radius * np.cos(phi)], axis=1)
     lean = np.full(len(u), (low - high) / shape.height)
     normals = np.stack([np.sin(phi), lean, np.cos(phi)], axis=1)

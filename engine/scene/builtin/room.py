@@ -37,9 +37,9 @@ def document() -> dict[str, Any]:
                 "type": "spot",
                 "position": (-1.95, 1.52, -1.5),
                 "target": (-1.85, 2.6, -1.35),
-                "cone_degrees": 58,
-                "penumbra_degrees": 24,
-                "intensity": (20, 14.6, 8.8),
+                "cone_degrees": 50,
+                "penumbra_degrees": 20,
+                "intensity": (25, 18.2, 11),
             },
             {
                 "id": "hall",
