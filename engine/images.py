@@ -117,6 +117,10 @@ def _read_hdr(path: Path) -> NDArray[np.float32]:
 def _read_srgb(path: Path) -> NDArray[np.float32]:
     def decode() -> NDArray[np.float32]:
         with Image.open(path) as image:
+            if image.mode == "F":
+                return np.asarray(image)
+            if image.mode.startswith("I"):  # 16 bits of grey, which `convert` would cut off
+                return linear_from_srgb(np.asarray(image) / 65535).astype(np.float32)
             return _LINEAR[np.asarray(image.convert("RGB"))]
 
     return _decoded(path, decode, "image")

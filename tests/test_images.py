@@ -69,6 +69,14 @@ def test_grey_and_alpha_become_colour(tmp_path: Path) -> None:
         np.testing.assert_allclose(read, 0.21586, atol=1e-5)
 
 
+def test_deep_grey_keeps_its_range(tmp_path: Path) -> None:
+    """16 bits of grey are brightness, floating point is light."""
+    Image.fromarray(np.full((3, 5), 32896, np.uint16)).save(tmp_path / "deep.png")
+    np.testing.assert_allclose(read_image(tmp_path / "deep.png"), 0.21586, atol=1e-5)
+    Image.fromarray(np.full((3, 5), 2.5, np.float32)).save(tmp_path / "light.tiff")
+    assert (read_image(tmp_path / "light.tiff") == 2.5).all()
+
+
 @pytest.mark.parametrize("format", ["png", "jpeg", "webp"])
 def test_encode_is_deterministic(format: str) -> None:
     image = to_srgb8(_picture())

@@ -151,6 +151,12 @@ def test_samples_have_their_pixel_s_density(image: np.ndarray) -> None:
     np.testing.assert_allclose(estimate, total, rtol=0.03, atol=1e-9)
 
 
+def test_even_map_is_sampled_evenly() -> None:
+    """Pixels that shrink towards the poles are taken as much less often."""
+    density = pdf(_made(np.full((16, 32, 3), 0.3)), _sphere(100))
+    np.testing.assert_allclose(density, 1 / (4 * np.pi), rtol=1e-4)
+
+
 def test_constant_map_gives_pi_times_its_radiance() -> None:
     """Irradiance of an open surface under radiance L is π L."""
     table = _made(np.full((1, 1, 3), 0.4), intensity=2.5)
