@@ -1,1 +1,43 @@
 """The four methods, one package each, and the contract they share (`base`)."""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor, ThreadPoolExecutor
+from typing import Any
+
+from engine.errors import NotFound
+from engine.methods import direct_to_indirect
+from engine.methods.base import EDITS, Frame, Method, Product, Progress, silent
+from engine.numerics.parallel import mark_worker, thread_count
+from engine.scene.scene import Scene
+from engine.store import Store
+
+METHODS: dict[str, Method] = {method.name: method for method in (direct_to_indirect.METHOD,)}
+
+
+def prepare(
+    scene: Scene,
+    method: str,
+    settings: Any = None,
+    progress: Progress = silent,
+    *,
+    store: Store | None = None,
+    executor: Executor | None = None,
+) -> Product:
+    """The product of a method, from the store where it is there, else precomputed into it.
+
+    `settings` None means the paper's; `store` None the user's; `executor` None a pool of threads.
+    Raises NotFound for an unknown method and whatever `progress` raises.
+    """
+    if method not in METHODS:
+        raise NotFound(f"there is no method {method!r}; there are {', '.join(METHODS)}")
+    chosen = METHODS[method]
+    settings = chosen.settings() if settings is None else settings
+    store = Store() if store is None else store
+    if executor is not None:
+        return chosen.precompute(scene, settings, executor, progress, store)
+    with ThreadPoolExecutor(thread_count(), "relight-precompute", mark_worker) as threads:
+        return chosen.precompute(scene, settings, threads, progress, store)
+
+
+__all__ = ["EDITS", "METHODS", "Frame", "Method", "Product", "Progress", "prepare", "silent"]

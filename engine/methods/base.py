@@ -20,6 +20,7 @@ from engine.diagnosis import Diagnosis
 from engine.errors import EditNotSupported
 from engine.scene.edits import Edits
 from engine.scene.scene import Scene
+from engine.store import Store
 
 Progress = Callable[[str, float, float], None]
 """progress(phase, done, total); it may raise `Cancelled` to stop the work."""
@@ -73,14 +74,15 @@ class Method:
     paper       authors, year, title
     edits       subset of {camera, environment, lights, materials}
     settings    frozen dataclass; its defaults are the paper's values
-    precompute  (scene, settings, executor, progress) -> Product
+    precompute  (scene, settings, executor, progress, store) -> Product; chunks of work land in the
+                store as they finish
     """
 
     name: str
     paper: str
     edits: frozenset[str]
     settings: type
-    precompute: Callable[[Scene, Any, Executor, Progress], Product]
+    precompute: Callable[[Scene, Any, Executor, Progress, Store], Product]
 
 
 # Which method takes which edit: said to the user by the method that does not.

@@ -28,13 +28,14 @@ def thread_count() -> int:
     return os.cpu_count() or 1
 
 
-def _mark_worker() -> None:
+def mark_worker() -> None:
+    """Make loops of this thread run in it: for the threads of a pool that fills the cores."""
     _worker.inside = True
 
 
 @cache
 def _pool() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(thread_count(), "relight-kernel", initializer=_mark_worker)
+    return ThreadPoolExecutor(thread_count(), "relight-kernel", initializer=mark_worker)
 
 
 def for_ranges(

@@ -1,1 +1,38 @@
-"""TODO."""
+"""Direct-to-indirect transfer: any light may move, camera, geometry and materials stand.
+
+Hašan, Pellacini, Bala 2006, *Direct-to-Indirect Transfer for Cinematic Relighting*.
+
+    v_i = k_d * (F (M + I) g_d)                       eq. 2, 5
+    v_i = k_d * (F^w W (M^w W + I) g_d)               eq. 7: rows of F and M in wavelet space
+    d(s, c) = K² |p_s - p_c|² + D² |n_s - n_c|²       eq. 9: distance for the cluster tree
+
+| paper | here | what |
+|---|---|---|
+| V | `View.buffer.centre` | view samples, one per pixel |
+| G, n_g | `GatherCloud` | gather samples, a power of four |
+| g_d | `g` | direct radiance of the gather samples, reflected diffusely |
+| F | `Transfer.final` | final gather, scalar: irradiance per radiance |
+| M | sum of P^k, `Transfer.bounce` | bounces within the cloud, one at a time |
+| W | `engine.numerics.haar` | Haar transform on the cluster tree |
+| k_d | `View.reflectance` / π | what a view sample does with irradiance |
+| K, D | `normal_weight`, `Scene.diagonal` | weights of eq. 9 |
+
+Where we leave the paper: M is applied bounce by bounce (scalar rows, any number of bounces, no
+photon noise); form factors are those of disks (no clamp in corners); 64 neighbouring rows share
+their list of wavelets (`fixed_view.rows`).
+"""
+
+from engine.methods.base import EDITS, Method
+from engine.methods.direct_to_indirect.precompute import precompute
+from engine.methods.direct_to_indirect.product import NAME, Transfer
+from engine.methods.direct_to_indirect.settings import Settings
+
+METHOD = Method(
+    name=NAME,
+    paper="Hašan, Pellacini, Bala 2006, Direct-to-Indirect Transfer for Cinematic Relighting",
+    edits=EDITS[NAME],
+    settings=Settings,
+    precompute=precompute,
+)
+
+__all__ = ["METHOD", "Settings", "Transfer"]

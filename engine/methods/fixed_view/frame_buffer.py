@@ -214,9 +214,7 @@ def _find_donors(
                     continue
                 e = sub(vec(position, j), p)
                 # Twenty times the weight on position, as in the clusters' distance (eq. 9).
-                d = 400.0 * dot(e, e) / (diagonal * diagonal) + 2.0 * (
-                    1.0 - dot(n, vec(normal, j))
-                )
+                d = 400.0 * dot(e, e) / (diagonal * diagonal) + 2.0 * (1.0 - dot(n, vec(normal, j)))
                 if d < best:
                     best = d
                     donor[i] = j

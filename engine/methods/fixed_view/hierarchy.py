@@ -44,14 +44,10 @@ class Clusters(NamedTuple):
     area: float
 
 
-def build_clusters(
-    position: NDArray[np.float32],
-    normal: NDArray[np.float32],
-    diagonal: float,
-    K: float,
-    area: float,
-) -> tuple[NDArray[np.int64], Clusters]:
-    """Order (n,) that sorts the samples into the tree, and the tree over the sorted samples.
+def build_order(
+    position: NDArray[np.float32], normal: NDArray[np.float32], diagonal: float, K: float
+) -> NDArray[np.int64]:
+    """Order (n,) that sorts the samples into the tree.
 
     position, normal (n, 3) float32, n a power of four; K the weight on positions (20 to 40).
     """
@@ -63,7 +59,7 @@ def build_clusters(
     while size > 1:
         for_ranges(_split_runs, n // size, features, order, size, grain=1)
         size //= 2
-    return order, describe_clusters(position[order], normal[order], area)
+    return order
 
 
 @njit(cache=True, nogil=True)

@@ -95,11 +95,11 @@ class View:
 
     def _show_light(self, light: Light, scale: int, out: NDArray[np.float32]) -> None:
         table = light_table([light])
-        points, camera = self.points(scale), self.scene.camera
-        height, width = self.shape(scale)
+        points, eye = self.points(scale), np.asarray(self.scene.camera.position, np.float32)
+        _, width = self.shape(scale)
         offsets = SUBSAMPLES if scale == 1 else np.zeros((1, 2))
         for_ranges(
-            _lamp, len(points), table.kind[0], table.row[0], np.asarray(camera.position, np.float32),
+            _lamp, len(points), table.kind[0], table.row[0], eye,
             points.view, points.position, points.model, width, offsets, out,
         )  # fmt: skip
 

@@ -1,0 +1,221 @@
+"""The finished transfer and the frames that it makes."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from engine.backend.cpu.environment import environment_on_points
+from engine.backend.cpu.product import multiply
+from engine.diagnosis import Diagnosis
+from engine.light.environment import environment_table
+from engine.methods.base import Frame, require_supported
+from engine.methods.direct_to_indirect.settings import Settings
+from engine.methods.fixed_view.cloud import GatherCloud
+from engine.methods.fixed_view.direct import light_on_points
+from engine.methods.fixed_view.rows import TILE, PackedRows
+from engine.methods.fixed_view.tiles import coarse_tiles, pixel_tiles, run_tiles, scatter
+from engine.methods.fixed_view.view import View
+from engine.numerics import haar
+from engine.numerics.parallel import for_ranges
+from engine.scene.edits import Edits, edited_lights
+
+NAME = "direct_to_indirect"
+ENVIRONMENT_SAMPLES = 64
+NEGLIGIBLE = 0.02  # of the indirect light: what the bounces may miss before the user is told
+
+
+class Transfer:
+    """v = k_d * F (I + P + ... + P^b) g, F and P in wavelet space (eq. 2, 5).
+
+    P = (albedo / π) G is one bounce within the gather cloud. It is applied b times at run time,
+    which costs a few milliseconds, in place of the paper's matrix M of all bounces in colour.
+    """
+
+    def __init__(
+        self,
+        view: View,
+        settings: Settings,
+        cloud: GatherCloud,
+        final: PackedRows,
+        bounce: PackedRows,
+    ) -> None:
+        """Final rows are those of `pixel_tiles`, bounce rows those of `run_tiles`."""
+        self.view, self._settings, self.cloud = view, settings, cloud
+        self.final, self.bounce = final, bounce
+        camera = view.scene.camera
+        self._tiles = {
+            1: pixel_tiles(camera.width, camera.height),
+            2: coarse_tiles(camera.width, camera.height),
+        }
+        self._runs = run_tiles(len(cloud))
+        self._reflected = cloud.albedo / np.float32(np.pi)
+        # What no light edit changes: surfaces that shine, and the environment.
+        points = cloud.points
+        self._standing = cloud.emission + environment_on_points(
+            view.scene.rays, points.position, points.normal, points.geometric, points.view,
+            points.model, points.row, environment_table(view.scene.environment),
+            ENVIRONMENT_SAMPLES, 11,
+        )  # fmt: skip
+        self._glossy = _glossy_share(view)
+
+    @property
+    def method(self) -> str:
+        """`direct_to_indirect`."""
+        return NAME
+
+    @property
+    def settings(self) -> Settings:
+        """What it was made with."""
+        return self._settings
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of both matrices, all that a frame reads of the transport."""
+        return sum(array.nbytes for rows in (self.final, self.bounce) for array in rows)
+
+    def relight(self, edits: Edits, scale: int = 1) -> Frame:
+        """See `engine.methods.base.Product.relight`."""
+        require_supported(NAME, edits)
+        clock = _Clock()
+        view, cloud = self.view, self.cloud
+        lights = edited_lights(view.scene.lights, edits.lights)
+
+        # Direct light on gather samples: g.
+        with clock("gather_direct"):
+            g = view.pictures.total(
+                "gather",
+                lights,
+                lambda light: light_on_points(view.scene.rays, cloud.points, light),
+                len(cloud),
+            )
+            g += self._standing
+
+        # Bounces within the cloud: (I + P + ... + P^b) g.
+        with clock("bounces"):
+            total, missing = self._bounce(g)
+
+        # Final gather, and direct light on view samples.
+        with clock("final_gather"):
+            values = multiply(*self.final, haar.forward(total), TILE if scale == 1 else TILE // 4)
+            irradiance = np.zeros((len(view.points(scale)), 3), np.float32)
+            tiles = self._tiles[scale]
+            for_ranges(scatter, len(tiles), tiles, values, irradiance, grain=64)
+        with clock("view_direct"):
+            image = view.direct(lights, scale)
+        with clock("compose"):
+            self._compose(irradiance, image, scale)
+        height, width = view.shape(scale)
+        warnings = self._warnings(missing)
+        return Frame(image.reshape(height, width, 3), clock.timings(), warnings)
+
+    def indirect(self, edits: Edits) -> NDArray[np.float32]:
+        """The indirect part of the full picture alone, (height, width, 3): for tests and charts."""
+        frame = self.relight(edits)
+        lights = edited_lights(self.view.scene.lights, edits.lights)
+        return frame.image - self.view.direct(lights, 1).reshape(frame.image.shape)
+
+    def _bounce(self, g: NDArray[np.float32]) -> tuple[NDArray[np.float32], float]:
+        """Sum of the bounces, and the part of it that further bounces would add, estimated."""
+        total, b = g.copy(), g
+        energy = [float(g.sum(dtype=np.float64))]
+        for _ in range(self._settings.bounces):
+            values = multiply(*self.bounce, haar.forward(b))
+            b = np.zeros_like(g)
+            for_ranges(scatter, len(self._runs), self._runs, values, b, grain=64)
+            b *= self._reflected
+            total += b
+            energy.append(float(b.sum(dtype=np.float64)))
+        if len(energy) < 2 or energy[0] <= 0:
+            return total, 0.0
+        decay = max(0.0, energy[-1] / max(energy[-2], 1e-30))
+        rest = energy[-1] * decay / (1 - decay) if decay < 1 else np.inf
+        return total, rest / max(sum(energy), 1e-30)
+
+    def _compose(
+        self, irradiance: NDArray[np.float32], image: NDArray[np.float32], scale: int
+    ) -> None:
+        """Add the indirect light to the direct, in place."""
+        view = self.view
+        centre, sub = view.reflectance
+        if scale == 2:
+            height, width = view.scene.camera.height, view.scene.camera.width
+            centre = centre.reshape(height, width, 3)[::2, ::2].reshape(-1, 3)
+            for_ranges(_add_indirect, len(image), irradiance, np.ascontiguousarray(centre), image)
+            return
+        buffer = view.buffer
+        plain = centre.copy()
+        plain[buffer.edge] = 0
+        for_ranges(_add_indirect, len(image), irradiance, plain, image)
+        for_ranges(
+            _add_at_edges, len(buffer.edge), buffer.edge, buffer.donor, irradiance, sub, image
+        )
+
+    def _warnings(self, missing: float) -> tuple[Diagnosis, ...]:
+        found = []
+        if missing > NEGLIGIBLE:
+            found.append(
+                Diagnosis(
+                    "bounces_truncated",
+                    f"About {100 * missing:.0f} % of the light in the room is lost after "
+                    f"{self._settings.bounces} bounces; set bounces higher.",
+                    missing,
+                )
+            )
+        if self._glossy > NEGLIGIBLE:
+            found.append(
+                Diagnosis(
+                    "gloss_as_diffuse",
+                    f"Glossy surfaces fill {100 * self._glossy:.0f} % of the picture: their "
+                    "highlights follow the lights, but they reflect the room as if they were matt.",
+                    self._glossy,
+                )
+            )
+        return tuple(found)
+
+
+def _glossy_share(view: View) -> float:
+    """Share of the pixels on which gloss is a tenth or more of what is reflected."""
+    row = view.buffer.centre.row
+    centre, _ = view.reflectance
+    gloss = centre.sum(axis=1) - row[:, :3].sum(axis=1)
+    return float(np.mean(gloss > 0.1 * np.maximum(centre.sum(axis=1), 1e-6)))
+
+
+@njit(cache=True, nogil=True)
+def _add_indirect(start, stop, irradiance, reflectance, image):
+    for i in range(start, stop):
+        for c in range(3):
+            # Culled wavelets can leave a little less than no light.
+            image[i, c] += reflectance[i, c] * max(irradiance[i, c], 0.0) * 0.3183098861837907
+
+
+@njit(cache=True, nogil=True)
+def _add_at_edges(start, stop, edge, donor, irradiance, reflectance, image):
+    for e in range(start, stop):
+        for s in range(4 * e, 4 * e + 4):
+            for c in range(3):
+                light = max(irradiance[donor[s], c], 0.0)
+                image[edge[e], c] += 0.25 * reflectance[s, c] * light * 0.3183098861837907
+
+
+class _Clock:
+    """Seconds by part."""
+
+    def __init__(self) -> None:
+        self._start = time.perf_counter()
+        self._parts: dict[str, float] = {}
+
+    @contextmanager
+    def __call__(self, name: str) -> Iterator[None]:
+        start = time.perf_counter()
+        yield
+        self._parts[name] = time.perf_counter() - start
+
+    def timings(self) -> dict[str, float]:
+        return {**self._parts, "total": time.perf_counter() - self._start}

@@ -1,0 +1,66 @@
+"""Settings of `direct_to_indirect`; the defaults are the paper's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from engine.errors import InputError
+from engine.numerics.haar import levels
+
+MAX_GATHER_SAMPLES = 4**11
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a precompute is made with. Raises InputError for a value out of range."""
+
+    gather_samples: int = 65536
+    """Samples of the gather cloud: a power of four from 256 to 4,194,304 (§3.4, §6)."""
+
+    coefficients: int = 100
+    """Wavelets kept per tile of view samples: 1 to 4096 (§3.7)."""
+
+    bounce_coefficients: int = 40
+    """Wavelets kept per tile of gather samples: 1 to 4096 (§3.7)."""
+
+    bounces: int = 3
+    """Bounces between gather samples, before the final gather: 0 to 64 (§4.3, path length)."""
+
+    normal_weight: float = 30.0
+    """K of eq. 9, the weight of positions against normals: 20 to 40 in the paper, 1 to 1000."""
+
+    link_size: float = 0.02
+    """Form factor above which a cluster is opened for a view sample: 0.0005 to 1 (§4.3)."""
+
+    bounce_link_size: float = 0.05
+    """The same for a gather sample."""
+
+    patch_size: float = 0.35
+    """Diagonal by distance above which the form factor is refined within a link: 0.05 to 2."""
+
+    support_power: float = 1.0
+    """Area weighting (§4.3): coefficients are ranked times (support)^power, 0 to 2."""
+
+    seed: int = 1
+    """Of all random choices: 0 to 2^31."""
+
+    def __post_init__(self) -> None:
+        for name, low, high in (
+            ("gather_samples", 256, MAX_GATHER_SAMPLES),
+            ("coefficients", 1, 4096),
+            ("bounce_coefficients", 1, 4096),
+            ("bounces", 0, 64),
+            ("normal_weight", 1, 1000),
+            ("link_size", 0.0005, 1),
+            ("bounce_link_size", 0.0005, 1),
+            ("patch_size", 0.05, 2),
+            ("support_power", 0, 2),
+            ("seed", 0, 2**31),
+        ):
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise InputError(f"{value} is not between {low} and {high}", field=name)
+        try:
+            levels(self.gather_samples)
+        except ValueError as error:
+            raise InputError(f"{error}: 4096, 16384, 65536, ...", field="gather_samples") from None

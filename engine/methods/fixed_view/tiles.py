@@ -1,0 +1,51 @@
+"""Tiles of 8 x 8 pixels, and the way back to rows of pixels."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from engine.methods.fixed_view.rows import TILE
+
+SIDE = 8
+
+
+def pixel_tiles(width: int, height: int) -> NDArray[np.int32]:
+    """(tiles, 64) int32: pixels of each tile, -1 past the picture's edge.
+
+    The sixteen pixels of every second row and column come first, so that a coarse picture reads
+    the first quarter of every tile.
+    """
+    y, x = np.mgrid[0:SIDE, 0:SIDE]
+    coarse_first = np.argsort(((y % 2) | (x % 2)).ravel(), kind="stable")
+    y, x = y.ravel()[coarse_first], x.ravel()[coarse_first]
+    down, across = -(-height // SIDE), -(-width // SIDE)
+    top, left = np.divmod(np.arange(down * across), across)
+    py, px = top[:, None] * SIDE + y, left[:, None] * SIDE + x
+    return np.where((py < height) & (px < width), py * width + px, -1).astype(np.int32)
+
+
+def coarse_tiles(width: int, height: int) -> NDArray[np.int32]:
+    """(tiles, 16) int32: the same tiles in the picture of every second row and column."""
+    full = pixel_tiles(width, height)[:, : TILE // 4]
+    y, x = np.divmod(full, width)
+    return np.where(full >= 0, y // 2 * -(-width // 2) + x // 2, -1).astype(np.int32)
+
+
+def run_tiles(n: int) -> NDArray[np.int32]:
+    """(n / 64, 64) int32: runs of consecutive points; the last is padded with -1."""
+    index = np.full(-(-n // TILE) * TILE, -1, np.int32)
+    index[:n] = np.arange(n)
+    return index.reshape(-1, TILE)
+
+
+@njit(cache=True, nogil=True)
+def scatter(start, stop, index, values, out):
+    """out[index[t, p]] = values[t, :, p] for tiles start..stop; values (tiles, 3, rows)."""
+    for t in range(start, stop):
+        for p in range(values.shape[2]):
+            i = index[t, p]
+            if i >= 0:
+                for c in range(3):
+                    out[i, c] = values[t, c, p]
