@@ -32,6 +32,8 @@ from engine.reference.world import World, emission
 from engine.scene.scene import Scene
 from engine.scene.surface import parameters, position
 
+SCATTERED = -1
+
 
 def render_direct(
     scene: Scene,
@@ -63,71 +65,59 @@ def _trace(
     bounce_paths(packed, seed, 0, 0, rays, n, hits, index, radiance, shadow, paths(0))
     # Local lights and the environment; the last of `light_sample` is left to BRDF sampling.
     for light in range(len(packed.lights.kind) + 1):
-        _ask(packed, seed, light, index, rays, hits, shadow)
+        _send(packed, seed, light, index, rays, hits, shadow)
         hidden = scene.rays.occluded(shadow.origin, shadow.direction, shadow.limit)
         add_unshadowed(shadow, n, hidden, 1, radiance)
-    _scatter(packed, seed, index, rays, hits, shadow)
+    _send(packed, seed, SCATTERED, index, rays, hits, shadow)
     bounced = scene.rays.intersect(shadow.origin, shadow.direction)
     _meet(packed, bounced, shadow, radiance)
     return radiance, n * (len(packed.lights.kind) + 3)
 
 
-@njit(inline="always")
-def _stand(world, rays, hits, k, p):
-    """(model, position, frame, wo) where ray k hits; fills the BRDF parameters p."""
-    triangle, b1, b2 = hits.triangle[k], np.float64(hits.b1[k]), np.float64(hits.b2[k])
-    back = scale(vec(rays.direction, k), -1.0)
-    frame = frame_at(world.geometry, triangle, b1, b2, back)
-    x = add(position(world.geometry, triangle, b1, b2), scale(frame[0], world.epsilon))
-    model = parameters(world.geometry, world.materials, triangle, b1, b2, p)
-    return model, x, frame, to_local(back, frame[1], frame[2], frame[3])
-
-
-@njit(inline="always")
-def _put(shadow, k, x, w, limit, radiance):
-    shadow.slot[k], shadow.limit[k] = k, limit
-    for c in range(3):
-        shadow.origin[k, c] = x[c]
-        shadow.direction[k, c] = w[c]
-        shadow.radiance[k, c] = radiance[c]
-
-
 @njit(cache=True, nogil=True)
-def _ask(world, seed, light, index, rays, hits, shadow):
-    """Fill `shadow` with a sample of one light at every hit."""
+def _send(world, seed, light, index, rays, hits, shadow):
+    """Fill `shadow` with one ray from every hit, and what each brings.
+
+    Towards a sample of one light, with the light it reflects if nothing hides it; or, where
+    `light` is SCATTERED, where BRDF sampling goes, with f · cos θ / density.
+    """
     world, rays, hits, shadow = borrow(world), borrow(rays), borrow(hits), borrow(shadow)
     p = np.zeros(ROW, np.float32)
-    up, black = (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
     for k in range(index.shape[0]):
-        if hits.triangle[k] < 0:
-            _put(shadow, k, black, up, 0.0, black)
-            continue
-        model, x, frame, wo = _stand(world, rays, hits, k, p)
-        w, limit, incident, _ = light_sample(world, light, x, seed, index[k], 1)
-        f, _ = reflect_towards(model, p, frame, wo, w)
-        _put(shadow, k, x, w, limit, mul(f, incident))
-
-
-@njit(cache=True, nogil=True)
-def _scatter(world, seed, index, rays, hits, shadow):
-    """Fill `shadow` with rays that the BRDF chose, and f · cos θ / density for each."""
-    world, rays, hits, shadow = borrow(world), borrow(rays), borrow(hits), borrow(shadow)
-    p = np.zeros(ROW, np.float32)
-    up, black = (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
-    for k in range(index.shape[0]):
-        _put(shadow, k, black, up, 0.0, black)
+        shadow.slot[k], shadow.limit[k] = k, 0.0
+        for c in range(3):
+            shadow.origin[k, c], shadow.direction[k, c], shadow.radiance[k, c] = 0.0, 1.0, 0.0
         if hits.triangle[k] < 0:
             continue
-        model, x, frame, wo = _stand(world, rays, hits, k, p)
-        u = (
-            number(seed, index[k], 1, SCATTER),
-            number(seed, index[k], 1, SCATTER + 1),
-            number(seed, index[k], 1, SCATTER + 2),
-        )
-        w = to_world(brdf.sample(model, p, wo, u), frame[1], frame[2], frame[3])
+
+        # Stand on the surface.
+        triangle, b1, b2 = hits.triangle[k], np.float64(hits.b1[k]), np.float64(hits.b2[k])
+        back = scale(vec(rays.direction, k), -1.0)
+        frame = frame_at(world.geometry, triangle, b1, b2, back)
+        x = add(position(world.geometry, triangle, b1, b2), scale(frame[0], world.epsilon))
+        model = parameters(world.geometry, world.materials, triangle, b1, b2, p)
+        wo = to_local(back, frame[1], frame[2], frame[3])
+
+        # Choose where to look, and what a radiance of one or the light's own brings from there.
+        if light == SCATTERED:
+            u = (
+                number(seed, index[k], 1, SCATTER),
+                number(seed, index[k], 1, SCATTER + 1),
+                number(seed, index[k], 1, SCATTER + 2),
+            )
+            w = to_world(brdf.sample(model, p, wo, u), frame[1], frame[2], frame[3])
+            limit, incident = 0.0, (1.0, 1.0, 1.0)
+        else:
+            w, limit, incident, _ = light_sample(world, light, x, seed, index[k], 1)
         f, density = reflect_towards(model, p, frame, wo, w)
-        if density > 0.0:
-            _put(shadow, k, x, w, 0.0, scale(f, 1.0 / density))
+        if light == SCATTERED:
+            f = scale(f, 1.0 / density) if density > 0.0 else (0.0, 0.0, 0.0)
+        value = mul(f, incident)
+        if value[0] + value[1] + value[2] > 0.0:
+            shadow.limit[k] = limit
+            for c in range(3):
+                shadow.origin[k, c], shadow.direction[k, c] = x[c], w[c]
+                shadow.radiance[k, c] = value[c]
 
 
 @njit(cache=True, nogil=True)
