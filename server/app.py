@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Mapping, Sequence
+from typing import Any
 
 from fastapi import FastAPI
 from fastapi.staticfiles import StaticFiles
@@ -13,10 +14,10 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from engine.errors import RelightError
 from engine.resources import resource
 from server import problems
-from server.precompute import Task, run_in_process
+from server.precompute import run_in_process
 from server.routes import router
 from server.service import Precompute, Service
-from server.stage import METHOD, stages
+from server.stage import stages
 
 MAX_BODY = 1 << 20
 
@@ -32,14 +33,16 @@ def create_app(
     *,
     precompute: Precompute = run_in_process,
     precompute_at_start: bool = True,
+    settings: Mapping[str, Any] | None = None,
 ) -> FastAPI:
     """The service for these scenes (built-in names or files) and all built-in ones.
 
     precompute           fills the store with the product of a task
     precompute_at_start  begin with the default scene before anybody asks
-    Raises SceneError where a name is neither a built-in scene nor a file.
+    settings             of the method, in place of its defaults
+    Raises NotFound where a name is neither a built-in scene nor a file.
     """
-    service = Service(stages(scenes), precompute)
+    service = Service(stages(scenes), precompute, settings)
 
     @contextlib.asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -64,9 +67,7 @@ def _start_default(service: Service) -> None:
     """Begin the default scene's precompute; a scene that cannot be opened says so when asked."""
     stage = service.stages.default
     with contextlib.suppress(RelightError):
-        camera = stage.scene().camera
-        task = Task(scene=stage.name, source=stage.source, camera=camera, method=METHOD)
-        service.jobs.start(task, "start")
+        service.jobs.start(service.task(stage, stage.scene().camera), "start")
         service.jobs.forget("start")
 
 

@@ -60,10 +60,10 @@ class Job:
         )
 
     def _eta(self, now: float) -> float | None:
-        """Seconds left if the work goes on at its mean pace so far."""
+        """Seconds left in this phase if it goes on at its mean pace so far."""
         if self.status != "running" or self.fraction < 0.02:
             return None
-        return round((now - self.started) * (1 - self.fraction) / self.fraction, 1)
+        return round((now - self.phase_started) * (1 - self.fraction) / self.fraction, 1)
 
 
 class Jobs:
@@ -201,7 +201,8 @@ class Jobs:
                 raise Cancelled("the precompute was stopped")
             with self._lock:
                 changed = phase != job.phase
-                job.phase = phase
+                if changed:
+                    job.phase, job.phase_started = phase, time.monotonic()
                 job.fraction = min(1.0, max(0.0, done / total)) if total > 0 else 0.0
                 if changed or time.monotonic() - published > PUBLISH_SECONDS:
                     published = time.monotonic()

@@ -7,6 +7,7 @@ import webbrowser
 from collections.abc import Sequence
 
 import uvicorn
+from fastapi import FastAPI
 
 from engine.errors import RelightError
 from server.app import MAX_BODY, create_app
@@ -24,23 +25,27 @@ def serve(
     """Serve the scenes until interrupted; prints the address once it can be opened.
 
     Where the port is taken the next free one is used; port 0 takes any. Raises RelightError where
-    none can be had, SceneError for a scene that is neither built in nor a file.
+    none can be had, NotFound for a scene that is neither built in nor a file.
     """
     app = create_app(scenes)
     listener = listen(host, port)
     address = f"http://{host}:{listener.getsockname()[1]}/"
-    # Frames are compressed already, and an edit is small.
-    config = uvicorn.Config(
+    print(f"Relight is at {address}  (Ctrl-C ends it)", flush=True)
+    if open_browser:
+        webbrowser.open(address)
+    uvicorn.Server(configure(app)).run(sockets=[listener])
+
+
+def configure(app: FastAPI) -> uvicorn.Config:
+    """How the app is served: frames are compressed already, and an edit is small."""
+    return uvicorn.Config(
         app,
         log_level="warning",
+        ws="websockets-sansio",
         ws_max_size=MAX_BODY,
         ws_per_message_deflate=False,
         timeout_graceful_shutdown=2,
     )
-    print(f"Relight is at {address}  (Ctrl-C ends it)", flush=True)
-    if open_browser:
-        webbrowser.open(address)
-    uvicorn.Server(config).run(sockets=[listener])
 
 
 def listen(host: str, port: int) -> socket.socket:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -22,10 +22,20 @@ Precompute = Callable[[Task, Progress], None]
 
 
 class Service:
-    """Scenes, frames and precomputes; `precompute` fills the store with a task's product."""
+    """Scenes, frames and precomputes.
 
-    def __init__(self, stages: Stages, precompute: Precompute = run_in_process) -> None:
+    `precompute` fills the store with a task's product; `settings` replace some of the method's
+    defaults in every task.
+    """
+
+    def __init__(
+        self,
+        stages: Stages,
+        precompute: Precompute = run_in_process,
+        settings: Mapping[str, Any] | None = None,
+    ) -> None:
         self.stages = stages
+        self.settings = dict(settings or {})
         self.worker = Worker()
         self.jobs = Jobs(self._work)
         self._precompute = precompute
@@ -51,7 +61,7 @@ class Service:
         if stage.product(camera) is not None:
             self.jobs.look_away(watcher)
             return None
-        task = Task(scene=stage.name, source=stage.source, camera=camera, method=METHOD)
+        task = self.task(stage, camera)
         active = self.jobs.active(task)
         if active is None:
             refused = self.jobs.refused(task)
@@ -79,14 +89,25 @@ class Service:
             )
         settings_of(request.method, request.settings)
         camera = stage.camera(request.edits)
-        task = Task(
+        return self.jobs.start(
+            self.task(stage, camera, request.method, request.settings), "api"
+        )
+
+    def task(
+        self,
+        stage: Stage,
+        camera: Camera,
+        method: str = METHOD,
+        settings: Mapping[str, Any] | None = None,
+    ) -> Task:
+        """What to precompute for a view."""
+        return Task(
             scene=stage.name,
             source=stage.source,
             camera=camera,
-            method=request.method,
-            settings=request.settings,
+            method=method,
+            settings={**self.settings, **(settings or {})},
         )
-        return self.jobs.start(task, "api")
 
     def detail(self, stage: Stage) -> SceneDetail:
         """Everything the page needs to know about a scene; opens it."""
@@ -103,7 +124,6 @@ class Service:
                     bytes=product.bytes if product is not None else 0,
                 )
             )
-        task = Task(scene=stage.name, source=stage.source, camera=scene.camera, method=METHOD)
         return SceneDetail(
             name=stage.name,
             description=stage.description,
@@ -116,7 +136,7 @@ class Service:
             triangles=len(scene.geometry.triangles),
             methods=methods,
             warnings=[Notice(**asdict(diagnosis)) for diagnosis in scene.diagnoses],
-            job=self.jobs.active(task),
+            job=self.jobs.active(self.task(stage, scene.camera)),
         )
 
 

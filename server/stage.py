@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic, NamedTuple, TypeVar
 
-from engine.errors import NotFound, SceneError
+from engine.errors import NotFound
 from engine.methods.base import Frame, Product
 from engine.methods.fixed_view.preview import DirectPreview
 from engine.scene.camera import Camera
@@ -138,7 +138,7 @@ class Stages:
 def stages(sources: Sequence[str]) -> Stages:
     """The sources in their order, then the built-in scenes that are not among them.
 
-    A source is the name of a built-in scene or a file. SceneError where it is neither.
+    A source is the name of a built-in scene or a file. NotFound where it is neither.
     """
     builtin = dict(scenes())
     found: dict[str, Stage] = {}
@@ -148,9 +148,9 @@ def stages(sources: Sequence[str]) -> Stages:
             continue
         path = Path(source)
         if not path.exists():
-            raise SceneError(
-                f"there is no such file, and no built-in scene of that name ({', '.join(builtin)})",
-                file=source,
+            raise NotFound(
+                f"there is no file {source!r} and no built-in scene of that name; "
+                f"there are {', '.join(builtin)}"
             )
         name = unique(slug(path), {*found, *builtin})
         found[name] = Stage(name, str(path.resolve()), path.name)

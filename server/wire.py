@@ -20,7 +20,7 @@ ImageFormat = Literal["jpeg", "png", "webp", "exr"]
 JobStatus = Literal["queued", "running", "done", "failed", "cancelled"]
 
 Exposure = Annotated[float, Field(ge=-32, le=32, description="in stops: doubles per unit")]
-Scale = Annotated[int, Field(ge=1, le=8, description="2 draws every second pixel of every row")]
+Scale = Annotated[int, Field(ge=1, le=2, description="2 draws every second pixel and row")]
 Quality = Annotated[int, Field(ge=1, le=100, description="of JPEG and WebP; PNG has none")]
 
 
@@ -120,7 +120,7 @@ class PrecomputeRequest(Wire):
 
 
 class JobState(Wire):
-    """A precompute. `eta_seconds` is None until there is something to judge by."""
+    """A precompute: `fraction` and `eta_seconds` are those of the phase, None while unknown."""
 
     id: str
     scene: str

@@ -5,6 +5,11 @@ const NAMES = {
   direct_to_indirect: "Direct-to-indirect transfer",
 };
 
+const PHASES = {
+  bounce: "bounces between surfaces, step 1 of 2,",
+  final: "light from surfaces to the picture, step 2 of 2,",
+};
+
 export class Status {
   #job = null;
 
@@ -54,7 +59,7 @@ export class Status {
     const left = job.eta_seconds === null ? "" : `, ${duration(job.eta_seconds)} left`;
     const texts = {
       queued: "Indirect light is waiting for its turn",
-      running: `Computing indirect light: ${job.phase} ${percent} %${left}`,
+      running: `Computing indirect light: ${PHASES[job.phase] ?? job.phase} ${percent} %${left}`,
       failed: `No indirect light: ${job.problem?.detail ?? "the precompute failed"}`,
       cancelled: "Indirect light was cancelled: direct light only",
     };
