@@ -134,6 +134,6 @@ class SceneDescription(Description):
     name: Annotated[str, Field(min_length=1, max_length=128)] = "scene"
     camera: Camera | None = None
     environment: EnvironmentDescription | None = None
-    lights: list[AnyLight] | None = None
+    lights: Annotated[list[AnyLight], Field(max_length=4096)] | None = None
     materials: dict[str, AnyTexturedMaterial] = Field(default={})
     objects: Annotated[list[Object], Field(min_length=1)]

@@ -188,8 +188,7 @@ def _views(
     front[found] = _faces(geometry, hit.triangle[found], fan[found])
     distance = np.where(found, hit.distance, 0).reshape(pictures, -1)
     things = np.where(found, geometry.material[hit.triangle], -1).reshape(pictures, -1)
-    front, found = front.reshape(pictures, -1), found.reshape(pictures, -1)
     scores = np.median(distance, axis=1) + np.quantile(distance, 0.1, axis=1)
     scores *= [len(np.unique(row[row >= 0])) for row in things]
-    scores *= front.mean(axis=1)
-    return np.where(found.mean(axis=1) < 0.9, 0.0, scores)
+    scores *= front.reshape(pictures, -1).mean(axis=1)
+    return np.where(found.reshape(pictures, -1).mean(axis=1) < 0.9, 0.0, scores)

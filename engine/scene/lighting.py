@@ -82,7 +82,7 @@ def _in_a_room(geometry: Geometry, rays: RayTracer, camera: Camera) -> tuple[Lig
             target=_point(aim),
             cone_degrees=28,
             penumbra_degrees=10,
-            intensity=_intensity(1.5, throw, (1.0, 0.97, 0.92)),
+            intensity=_intensity(1.1, throw, (1.0, 0.97, 0.92)),
         ),
     )
 

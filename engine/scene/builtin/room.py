@@ -11,13 +11,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from engine.scene.builtin.pieces import Vector, bowl, box, frustum, gloss, matt, thing, walls
+
 SUMMARY = "an interior lit mostly by bounce: a lamp behind a chair, a door ajar, some gloss"
 
 LEFT, RIGHT, BACK, FRONT, HEIGHT = -2.5, 2.5, -2.0, 2.4, 2.6
 DOOR_LEFT, DOOR_RIGHT, DOOR_HEIGHT = 0.95, 1.75, 2.05  # in the back wall
 HALL = -3.4  # back wall of the next room
-
-Vector = tuple[float, float, float]
 
 
 def document() -> dict[str, Any]:
@@ -39,7 +39,7 @@ def document() -> dict[str, Any]:
                 "target": (-1.85, 2.6, -1.35),
                 "cone_degrees": 50,
                 "penumbra_degrees": 20,
-                "intensity": (25, 18.2, 11),
+                "intensity": (19, 13.8, 8.4),
             },
             {
                 "id": "hall",
@@ -68,76 +68,35 @@ def document() -> dict[str, Any]:
 
 def _materials() -> dict[str, Any]:
     return {
-        "plaster": _matt(0.78, 0.76, 0.72),
-        "blue wall": _matt(0.16, 0.28, 0.42),
-        "ceiling": _matt(0.84, 0.83, 0.8),
-        "boards": _gloss((0.3, 0.17, 0.09), 0.04, 0.32),
-        "paint": _gloss((0.75, 0.74, 0.7), 0.04, 0.4),
-        "rug": _matt(0.55, 0.09, 0.07),
-        "sofa": _matt(0.32, 0.36, 0.3),
-        "cushion": _matt(0.75, 0.5, 0.12),
-        "walnut": _gloss((0.2, 0.1, 0.05), 0.04, 0.25),
+        "plaster": matt(0.78, 0.76, 0.72),
+        "blue wall": matt(0.16, 0.28, 0.42),
+        "ceiling": matt(0.84, 0.83, 0.8),
+        "boards": gloss((0.3, 0.17, 0.09), 0.04, 0.32),
+        "paint": gloss((0.75, 0.74, 0.7), 0.04, 0.4),
+        "rug": matt(0.55, 0.09, 0.07),
+        "sofa": matt(0.32, 0.36, 0.3),
+        "cushion": matt(0.75, 0.5, 0.12),
+        "walnut": gloss((0.2, 0.1, 0.05), 0.04, 0.25),
         "glaze": {
             "type": "phong",
             "diffuse": (0.1, 0.3, 0.28),
             "specular": (0.2, 0.2, 0.2),
             "exponent": 90,
         },
-        "porcelain": _gloss((0.8, 0.79, 0.76), 0.05, 0.15),
+        "porcelain": gloss((0.8, 0.79, 0.76), 0.05, 0.15),
         "brass": {
             "type": "ggx",
             "diffuse": (0, 0, 0),
             "specular": (0.82, 0.62, 0.3),
             "roughness": 0.3,
         },
-        "leaf": _gloss((0.1, 0.26, 0.06), 0.04, 0.45),
-        "books red": _matt(0.45, 0.08, 0.06),
-        "books green": _matt(0.1, 0.25, 0.16),
-        "books cream": _matt(0.7, 0.62, 0.46),
-        "canvas": _matt(0.72, 0.46, 0.2),
-        "dark": _matt(0.05, 0.05, 0.06),
+        "leaf": gloss((0.1, 0.26, 0.06), 0.04, 0.45),
+        "books red": matt(0.45, 0.08, 0.06),
+        "books green": matt(0.1, 0.25, 0.16),
+        "books cream": matt(0.7, 0.62, 0.46),
+        "canvas": matt(0.72, 0.46, 0.2),
+        "dark": matt(0.05, 0.05, 0.06),
     }
-
-
-def _matt(*colour: float) -> dict[str, Any]:
-    return {"type": "diffuse", "diffuse": colour}
-
-
-def _gloss(colour: Vector, specular: float, roughness: float) -> dict[str, Any]:
-    return {
-        "type": "ggx",
-        "diffuse": colour,
-        "specular": (specular,) * 3,
-        "roughness": roughness,
-    }
-
-
-def _thing(
-    name: str, material: str, mesh: dict[str, Any], at: Vector, turn: Vector = (0, 0, 0)
-) -> dict[str, Any]:
-    transform = {"translate": at, "rotate_degrees": turn}
-    return {"name": name, "material": material, "mesh": mesh, "transform": transform}
-
-
-def _box(
-    name: str, material: str, size: Vector, at: Vector, turn: Vector = (0, 0, 0)
-) -> dict[str, Any]:
-    """A box that stands on the height of `at`."""
-    middle = (at[0], at[1] + size[1] / 2, at[2])
-    return _thing(name, material, {"shape": "box", "size": size}, middle, turn)
-
-
-def _round(
-    name: str, material: str, radius: float, top: float, height: float, at: Vector
-) -> dict[str, Any]:
-    """A cylinder or frustum that stands on the height of `at`."""
-    mesh = {"shape": "cylinder", "radius": radius, "top_radius": top, "height": height}
-    return _thing(name, material, mesh, (at[0], at[1] + height / 2, at[2]))
-
-
-def _walls(name: str, material: str, *polygons: list[Vector]) -> dict[str, Any]:
-    mesh = {"shape": "polygons", "polygons": polygons}
-    return {"name": name, "material": material, "mesh": mesh}
 
 
 def _shell() -> list[dict[str, Any]]:
@@ -160,19 +119,19 @@ def _shell() -> list[dict[str, Any]]:
         BACK - math.sin(swing) * width / 2,
     )
     return [
-        _walls("floor", "boards", level(0, HALL, FRONT)),
-        _walls("ceiling", "ceiling", level(HEIGHT, HALL, FRONT)[::-1]),
-        _walls(
+        walls("floor", "boards", level(0, HALL, FRONT)),
+        walls("ceiling", "ceiling", level(HEIGHT, HALL, FRONT)[::-1]),
+        walls(
             "back wall",
             "plaster",
             across(BACK, LEFT, DOOR_LEFT, 0, HEIGHT),
             across(BACK, DOOR_RIGHT, RIGHT, 0, HEIGHT),
             across(BACK, DOOR_LEFT, DOOR_RIGHT, DOOR_HEIGHT, HEIGHT),
         ),
-        _walls("left wall", "blue wall", along(LEFT, FRONT, BACK)),
-        _walls("right wall", "plaster", along(RIGHT, BACK, FRONT)),
-        _walls("front wall", "plaster", across(FRONT, RIGHT, LEFT, 0, HEIGHT)),
-        _walls(
+        walls("left wall", "blue wall", along(LEFT, FRONT, BACK)),
+        walls("right wall", "plaster", along(RIGHT, BACK, FRONT)),
+        walls("front wall", "plaster", across(FRONT, RIGHT, LEFT, 0, HEIGHT)),
+        walls(
             "next room",
             "plaster",
             across(HALL, LEFT, RIGHT, 0, HEIGHT),
@@ -182,12 +141,12 @@ def _shell() -> list[dict[str, Any]]:
             across(BACK - 0.08, RIGHT, DOOR_RIGHT, 0, HEIGHT),
             across(BACK - 0.08, DOOR_RIGHT, DOOR_LEFT, DOOR_HEIGHT, HEIGHT),
         ),
-        _box("door", "paint", (width, 2.02, 0.04), door, (0, math.degrees(swing), 0)),
-        _box("frame left", "paint", (0.07, 2.1, 0.14), (DOOR_LEFT - 0.035, 0, BACK - 0.04)),
-        _box("frame right", "paint", (0.07, 2.1, 0.14), (DOOR_RIGHT + 0.035, 0, BACK - 0.04)),
-        _box("frame top", "paint", (0.94, 0.07, 0.14), (1.35, DOOR_HEIGHT, BACK - 0.04)),
-        _box("skirting", "paint", (3.38, 0.1, 0.025), (-0.81, 0, BACK + 0.0125)),
-        _box("skirting left", "paint", (0.025, 0.1, 4.35), (LEFT + 0.0125, 0, 0.2)),
+        box("door", "paint", (width, 2.02, 0.04), door, (0, math.degrees(swing), 0)),
+        box("frame left", "paint", (0.07, 2.1, 0.14), (DOOR_LEFT - 0.035, 0, BACK - 0.04)),
+        box("frame right", "paint", (0.07, 2.1, 0.14), (DOOR_RIGHT + 0.035, 0, BACK - 0.04)),
+        box("frame top", "paint", (0.94, 0.07, 0.14), (1.35, DOOR_HEIGHT, BACK - 0.04)),
+        box("skirting", "paint", (3.38, 0.1, 0.025), (-0.81, 0, BACK + 0.0125)),
+        box("skirting left", "paint", (0.025, 0.1, 4.35), (LEFT + 0.0125, 0, 0.2)),
     ]
 
 
@@ -198,19 +157,19 @@ def _seats() -> list[dict[str, Any]]:
 
     def part(name: str, size: Vector, at: Vector) -> dict[str, Any]:
         x, z = chair[0] + c * at[0] + s * at[2], chair[1] - s * at[0] + c * at[2]
-        return _box(f"chair {name}", "sofa", size, (x, at[1], z), (0, turn, 0))
+        return box(f"chair {name}", "sofa", size, (x, at[1], z), (0, turn, 0))
 
     return [
         part("seat", (0.62, 0.22, 0.66), (0, 0.2, 0.03)),
         part("back", (0.82, 0.78, 0.17), (0, 0.14, -0.36)),
         part("left arm", (0.13, 0.5, 0.72), (-0.37, 0.1, 0.02)),
         part("right arm", (0.13, 0.5, 0.72), (0.37, 0.1, 0.02)),
-        _box("chair cushion", "cushion", (0.42, 0.42, 0.13), (-1.55, 0.42, -0.92), (-14, turn, 0)),
-        _box("sofa seat", "sofa", (0.78, 0.22, 1.7), (2.02, 0.2, 0.1)),
-        _box("sofa back", "sofa", (0.2, 0.78, 1.98), (2.36, 0.12, 0.1)),
-        _box("sofa far arm", "sofa", (0.88, 0.52, 0.16), (2.0, 0.1, -0.82)),
-        _box("sofa near arm", "sofa", (0.88, 0.52, 0.16), (2.0, 0.1, 1.02)),
-        _box("sofa cushion", "cushion", (0.13, 0.4, 0.4), (2.14, 0.42, -0.5), (0, -12, 16)),
+        box("chair cushion", "cushion", (0.42, 0.42, 0.13), (-1.55, 0.42, -0.92), (-14, turn, 0)),
+        box("sofa seat", "sofa", (0.78, 0.22, 1.7), (2.02, 0.2, 0.1)),
+        box("sofa back", "sofa", (0.2, 0.78, 1.98), (2.36, 0.12, 0.1)),
+        box("sofa far arm", "sofa", (0.88, 0.52, 0.16), (2.0, 0.1, -0.82)),
+        box("sofa near arm", "sofa", (0.88, 0.52, 0.16), (2.0, 0.1, 1.02)),
+        box("sofa cushion", "cushion", (0.13, 0.4, 0.4), (2.14, 0.42, -0.5), (0, -12, 16)),
     ]
 
 
@@ -218,12 +177,12 @@ def _table() -> list[dict[str, Any]]:
     """A round table on the rug."""
     x, z = 0.3, -0.25
     legs = [
-        _round(f"table leg {k}", "walnut", 0.018, 0.026, 0.4, (x + dx, 0.012, z + dz))
+        frustum(f"table leg {k}", "walnut", 0.018, 0.026, 0.4, (x + dx, 0.012, z + dz))
         for k, (dx, dz) in enumerate([(0.28, 0.22), (-0.28, 0.22), (0.28, -0.22), (-0.28, -0.22)])
     ]
     return [
-        _box("rug", "rug", (2.3, 0.012, 1.7), (0.15, 0, -0.25)),
-        _round("table top", "walnut", 0.48, 0.48, 0.03, (x, 0.412, z)),
+        box("rug", "rug", (2.3, 0.012, 1.7), (0.15, 0, -0.25)),
+        frustum("table top", "walnut", 0.48, 0.48, 0.03, (x, 0.412, z)),
         *legs,
     ]
 
@@ -232,11 +191,11 @@ def _shelf() -> list[dict[str, Any]]:
     """A low shelf with books against the back wall, a picture above."""
     x, z, depth = -0.35, BACK + 0.19, 0.3
     boards = [
-        _box(f"shelf board {k}", "walnut", (1.5, 0.03, depth), (x, y, z))
+        box(f"shelf board {k}", "walnut", (1.5, 0.03, depth), (x, y, z))
         for k, y in enumerate((0.06, 0.4, 0.74))
     ]
     sides = [
-        _box(f"shelf side {k}", "walnut", (0.03, 0.77, depth), (x + side * 0.765, 0, z))
+        box(f"shelf side {k}", "walnut", (0.03, 0.77, depth), (x + side * 0.765, 0, z))
         for k, side in enumerate((-1, 0, 1))
     ]
     books = []
@@ -248,43 +207,27 @@ def _shelf() -> list[dict[str, Any]]:
         if place + width > x + 0.72:
             break
         at = (place + width / 2, 0.43, z - 0.02)
-        books.append(_box(f"book {k}", colours[(k * 4 + k // 3) % 3], (width, height, 0.21), at))
+        books.append(box(f"book {k}", colours[(k * 4 + k // 3) % 3], (width, height, 0.21), at))
         place += width + 0.002 + (0.12 if k % 8 == 7 else 0)
     return [
         *boards,
         *sides,
         *books,
-        _box("shelf back", "walnut", (1.5, 0.74, 0.02), (x, 0.03, BACK + 0.03)),
-        _box("picture frame", "dark", (0.86, 0.66, 0.03), (x, 1.25, BACK + 0.02)),
-        _box("picture", "canvas", (0.78, 0.58, 0.01), (x, 1.29, BACK + 0.04)),
+        box("shelf back", "walnut", (1.5, 0.74, 0.02), (x, 0.03, BACK + 0.03)),
+        box("picture frame", "dark", (0.86, 0.66, 0.03), (x, 1.25, BACK + 0.02)),
+        box("picture", "canvas", (0.78, 0.58, 0.01), (x, 1.29, BACK + 0.04)),
     ]
 
 
 def _lamp() -> list[dict[str, Any]]:
     """The uplight: an open brass bowl on a pole, behind the chair."""
     x, z = -1.95, -1.5
-    bowl = {"shape": "polygons", "polygons": _bowl(x, 1.4, z, 0.06, 0.19, 0.14)}
+    bowl_mesh = {"shape": "polygons", "polygons": bowl(x, 1.4, z, 0.06, 0.19, 0.14)}
     return [
-        _round("lamp foot", "brass", 0.15, 0.13, 0.025, (x, 0, z)),
-        _round("lamp pole", "brass", 0.013, 0.013, 1.375, (x, 0.025, z)),
-        {"name": "lamp bowl", "material": "brass", "mesh": bowl},
+        frustum("lamp foot", "brass", 0.15, 0.13, 0.025, (x, 0, z)),
+        frustum("lamp pole", "brass", 0.013, 0.013, 1.375, (x, 0.025, z)),
+        {"name": "lamp bowl", "material": "brass", "mesh": bowl_mesh},
     ]
-
-
-def _bowl(
-    x: float, y: float, z: float, low: float, high: float, height: float, sides: int = 32
-) -> list[list[Vector]]:
-    """The bottom and the side of an open frustum, seen from outside."""
-
-    def rim(radius: float, at: float, k: int) -> Vector:
-        angle = 2 * math.pi * k / sides
-        return (x + radius * math.sin(angle), at, z + radius * math.cos(angle))
-
-    side = [
-        [rim(low, y, k), rim(low, y, k + 1), rim(high, y + height, k + 1), rim(high, y + height, k)]
-        for k in range(sides)
-    ]
-    return [*side, [rim(low, y, -k) for k in range(sides)]]
 
 
 def _small_things() -> list[dict[str, Any]]:
@@ -311,16 +254,16 @@ def _small_things() -> list[dict[str, Any]]:
             }
         )
     return [
-        _round("plant pot", "glaze", 0.15, 0.2, 0.34, (2.05, 0, -1.6)),
-        _round("plant stem", "leaf", 0.02, 0.01, 0.7, (2.05, 0.3, -1.6)),
+        frustum("plant pot", "glaze", 0.15, 0.2, 0.34, (2.05, 0, -1.6)),
+        frustum("plant stem", "leaf", 0.02, 0.01, 0.7, (2.05, 0.3, -1.6)),
         *leaves,
-        _thing(
+        thing(
             "pot", "glaze", {"shape": "sphere", "radius": 0.11, "rings": 32}, (0.42, 0.545, -0.4)
         ),
-        _round("pot neck", "glaze", 0.045, 0.06, 0.06, (0.42, 0.63, -0.4)),
-        _thing("orange", "cushion", {"shape": "sphere", "radius": 0.042}, (0.13, 0.484, -0.14)),
-        _thing("apple", "books red", {"shape": "sphere", "radius": 0.04}, (0.21, 0.482, -0.09)),
-        _round("saucer", "porcelain", 0.1, 0.13, 0.015, (0.17, 0.442, -0.12)),
-        _round("vase", "porcelain", 0.07, 0.045, 0.28, (-0.8, 0.77, BACK + 0.2)),
-        _thing("globe", "brass", {"shape": "sphere", "radius": 0.09}, (0.15, 0.86, BACK + 0.2)),
+        frustum("pot neck", "glaze", 0.045, 0.06, 0.06, (0.42, 0.63, -0.4)),
+        thing("orange", "cushion", {"shape": "sphere", "radius": 0.042}, (0.13, 0.484, -0.14)),
+        thing("apple", "books red", {"shape": "sphere", "radius": 0.04}, (0.21, 0.482, -0.09)),
+        frustum("saucer", "porcelain", 0.1, 0.13, 0.015, (0.17, 0.442, -0.12)),
+        frustum("vase", "porcelain", 0.07, 0.045, 0.28, (-0.8, 0.77, BACK + 0.2)),
+        thing("globe", "brass", {"shape": "sphere", "radius": 0.09}, (0.15, 0.86, BACK + 0.2)),
     ]
