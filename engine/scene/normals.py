@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from engine.scene.part import Part
 
 CREASE_DEGREES = 40.0
-WELD = 1e-7  # of the longest side of the bounds: what float32 cannot tell apart
+WELD = 5e-7  # of the longest side of the bounds: rounding; so that 21 bits hold a coordinate
 MAX_VALENCE = 512  # corners at one point; beyond that each triangle keeps its own normal
 
 
@@ -27,7 +27,7 @@ def with_normals(part: Part) -> Part:
     low, high = part.positions.min(axis=0), part.positions.max(axis=0)
     step = max(float(np.max(high - low)) * WELD, 1e-30)
     grid = np.rint((part.positions - low) / step).astype(np.int64)
-    _, place = np.unique(grid, axis=0, return_inverse=True)
+    _, place = np.unique(grid @ [1 << 42, 1 << 21, 1], return_inverse=True)
     place = place.reshape(-1)[part.triangles].reshape(-1)
     order = np.argsort(place, kind="stable")
     starts = np.concatenate([[0], np.cumsum(np.bincount(place))])
@@ -46,13 +46,17 @@ def with_normals(part: Part) -> Part:
     )
     # One vertex for every different triple of place, texture coordinates and normal.
     old = part.triangles.reshape(-1)
-    key = np.zeros((len(normals), 5), np.int64)
-    key[:, 0] = place
+    uv = np.zeros(len(old), np.int64)
     if part.uvs is not None:
-        key[:, 1] = np.unique(part.uvs, axis=0, return_inverse=True)[1].reshape(-1)[old]
-    key[:, 2:] = np.rint(normals * 1e5)
-    packed = key.view([("", np.int64)] * 5).reshape(-1)
-    _, first, index = np.unique(packed, return_index=True, return_inverse=True)
+        uv = np.unique(part.uvs, axis=0, return_inverse=True)[1].reshape(-1)[old]
+    where = place * (int(uv.max()) + 1) + uv
+    direction = np.rint(normals * 1e5).astype(np.int64) @ [1 << 40, 1 << 20, 1]
+    order = np.lexsort((direction, where))
+    new = np.ones(len(order), bool)
+    new[1:] = (np.diff(where[order]) != 0) | (np.diff(direction[order]) != 0)
+    index = np.zeros(len(order), np.int64)
+    index[order] = np.cumsum(new) - 1
+    first = order[new]
     old = old[first]
     return Part(
         part.positions[old],
