@@ -10,6 +10,8 @@ PORT ?= 8000
 
 BIN := .venv/bin
 GL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri
+# A browser for the page, and a library that Mitsuba's wheels take for granted.
+TEST_PACKAGES := $(GL_PACKAGES) chromium libatomic1
 
 .PHONY: serve test lint types pytest bench chart clean
 
@@ -27,7 +29,7 @@ types: .venv/.test
 	$(BIN)/mypy
 
 pytest: .venv/.test
-	@.ci/system-packages $(GL_PACKAGES) chromium
+	@.ci/system-packages $(TEST_PACKAGES)
 	$(BIN)/pytest
 
 bench: .venv/.run
@@ -46,7 +48,7 @@ clean:
 	  { echo "relight needs Python 3.11 or newer; this is `$(PYTHON) --version` (make PYTHON=...)" >&2; exit 1; }
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || .ci/system-packages \
 	  `$(PYTHON) -c 'import sys; print("python%d.%d-venv" % sys.version_info[:2])'`
-	$(PYTHON) -m venv .venv
+	$(PYTHON) -m venv .venv || { rm -rf .venv; exit 1; }
 
 .venv/.run: .venv/bin/python pyproject.toml
 	$(BIN)/pip install -q -e .

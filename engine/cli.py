@@ -17,12 +17,12 @@ from typing import Annotated, Any
 
 import typer
 from pydantic import ValidationError
-from rich.table import Table
 
 from engine.errors import InputError, NotFound, RelightError
-from engine.images import write_image
+from engine.images import format_of, write_image
 from engine.measure.settings import parse_assignments, parse_value, settings_from
 from engine.methods import METHODS, prepare
+from engine.methods.base import require_supported
 from engine.reference import render as render_reference
 from engine.scene.edits import Edits, apply, edited_camera, problems
 from engine.scene.open import open_scene
@@ -54,10 +54,10 @@ DEFAULT_METHOD = "direct_to_indirect"
 @app.command()
 def scenes() -> None:
     """List the built-in scenes."""
-    table = Table(box=None, show_header=False)
-    for name, summary in builtin_scenes().items():
-        table.add_row(f"[bold]{name}[/]", summary)
-    out.print(table)
+    listed = builtin_scenes()
+    width = max(map(len, listed))
+    for name, summary in listed.items():
+        out.print(f"[bold]{name:<{width}}[/]  {summary}", highlight=False)
 
 
 @app.command()
@@ -99,14 +99,17 @@ def render(
     size: SizeOption = None,
 ) -> None:
     """Render a scene under edits with a method, or with the reference path tracer."""
+    # Find what is wrong before the work, not after it.
+    format_of(to)
     opened = _open(scene, size)
     change = _read_edits(edits)
+    edited = apply(opened, change)
     if method == "reference":
         if set_:
             raise InputError("the reference has no settings; it takes --error and --samples")
         with progress_bars() as progress:
             result = render_reference(
-                apply(opened, change), error=error, samples=samples, seed=seed, progress=progress
+                edited, error=error, samples=samples, seed=seed, progress=progress
             )
         write_image(to, result.image, exposure)
         out.print(
@@ -117,10 +120,12 @@ def render(
     if error is not None or samples is not None:
         raise InputError("--error and --samples are for --method reference; see --set")
     # Another camera is another precompute, not an edit that a product could take.
-    opened = opened.with_camera(edited_camera(opened.camera, change.camera))
+    opened, change = opened.with_camera(edited.camera), change.model_copy(update={"camera": None})
+    settings = _settings(method, set_)
+    require_supported(method, change)
     with progress_bars() as progress:
-        product = prepare(opened, method, _settings(method, set_), progress=progress)
-    frame = product.relight(change.model_copy(update={"camera": None}))
+        product = prepare(opened, method, settings, progress=progress)
+    frame = product.relight(change)
     write_image(to, frame.image, exposure)
     warn(frame.warnings)
     out.print(f"{to}: {1000 * frame.timings['total']:.1f} ms")
@@ -273,3 +278,7 @@ def _chart_packages() -> Iterator[None]:
         raise RelightError(
             f"charts and benchmarks need {error.name}; please run: pip install 'relight[chart]'"
         ) from None
+
+
+if __name__ == "__main__":
+    main()

@@ -47,10 +47,7 @@ def write_image(
     EXR files hold the radiance itself, in float32 or half precision; the others hold what a screen
     shows at an exposure in stops. Raises InputError, naming the file, where it cannot be written.
     """
-    kind = _FORMATS.get(path.suffix.lower())
-    if kind is None:
-        known = ", ".join(_FORMATS)
-        raise InputError(f"the name of an image must end in one of {known}", file=str(path))
+    kind = format_of(path)
     try:
         if kind == "exr":
             path.write_bytes(encode_exr(image, half))
@@ -58,6 +55,17 @@ def write_image(
             path.write_bytes(encode(to_srgb8(image, exposure), kind, 95))
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror}", file=str(path)) from None
+
+
+def format_of(path: Path) -> str:
+    """What `write_image` would write there; InputError, naming the file, where it would not."""
+    kind = _FORMATS.get(path.suffix.lower())
+    if kind is None:
+        known = ", ".join(_FORMATS)
+        raise InputError(f"the name of an image must end in one of {known}", file=str(path))
+    if not path.parent.is_dir():
+        raise InputError("there is no such folder", file=str(path))
+    return kind
 
 
 def encode(image: NDArray[np.uint8], format: str, quality: int = 90) -> bytes:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from engine.cli import main
 from engine.images import read_image
 from engine.scene.open import scenes
 
@@ -21,24 +25,40 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("store")
 
 
+@dataclass
+class Run:
+    """What a run of `relight` left behind."""
+
+    returncode: int
+    stdout: str
+    stderr: str
+
+
 class Relight:
-    """Runs `relight` in a process of its own, with a store of its own."""
+    """Runs `relight` in this process, in a folder and with a store of its own."""
 
-    def __init__(self, store: Path, folder: Path) -> None:
-        self.store, self.folder = store, folder
-
-    def __call__(self, *arguments: str) -> subprocess.CompletedProcess[str]:
-        import os
-
-        return subprocess.run(
-            [sys.executable, "-c", "from engine.cli import main; main()", *arguments],
-            cwd=self.folder,
-            env={**os.environ, "RELIGHT_STORE": str(self.store), "COLUMNS": "120", "NO_COLOR": "1"},
-            capture_output=True,
-            text=True,
-            stdin=subprocess.DEVNULL,
-            timeout=300,
+    def __init__(
+        self,
+        store: Path,
+        folder: Path,
+        monkeypatch: pytest.MonkeyPatch,
+        capsys: pytest.CaptureFixture[str],
+    ) -> None:
+        self.store, self.folder, self._monkeypatch, self._capsys = (
+            store,
+            folder,
+            monkeypatch,
+            capsys,
         )
+        monkeypatch.chdir(folder)
+        monkeypatch.setenv("RELIGHT_STORE", str(store))
+
+    def __call__(self, *arguments: str) -> Run:
+        self._monkeypatch.setattr(sys, "argv", ["relight", *arguments])
+        with pytest.raises(SystemExit) as end:
+            main()
+        printed = self._capsys.readouterr()
+        return Run(int(end.value.code or 0), printed.out, printed.err)
 
     def fails(self, status: int, *arguments: str) -> str:
         """The one line that it says."""
@@ -52,8 +72,28 @@ class Relight:
 
 
 @pytest.fixture
-def relight(store: Path, tmp_path: Path) -> Relight:
-    return Relight(store, tmp_path)
+def relight(
+    store: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> Relight:
+    return Relight(store, tmp_path, monkeypatch, capsys)
+
+
+def test_as_a_process(tmp_path: Path) -> None:
+    """No traceback and the right status outside of pytest too."""
+    run = subprocess.run(
+        [sys.executable, "-m", "engine.cli", "render", "no-such-scene", "--out", "x.png"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True,
+        text=True,
+        stdin=subprocess.DEVNULL,
+    )
+    assert run.returncode == 2
+    assert run.stdout == ""
+    assert re.fullmatch(r"relight: .*no-such-scene.*\n", run.stderr)
 
 
 def test_scenes_lists_what_is_built_in(relight: Relight) -> None:
@@ -137,6 +177,9 @@ def test_another_camera_is_another_precompute(relight: Relight) -> None:
         (["render", "cornell-box", "--edits", "none.json", "--out", "x.exr"], "none.json"),
         (["render", "cornell-box", "--edits", "broken.json", "--out", "x.exr"], "broken.json"),
         (["render", "cornell-box", "--edits", "unknown.json", "--out", "x.exr"], "sun"),
+        (["render", "cornell-box", "--edits", "matt.json", "--out", "x.exr"], "brdf_editing"),
+        (["render", "cornell-box", "--edits", "ghost.json", "--out", "x.exr"], "lights.0"),
+        (["render", "cornell-box", "--out", "nowhere/x.exr"], "no such folder"),
         (["render", "cornell-box", "--error", "0.1", "--out", "x.exr"], "--method reference"),
         (["chart", "cornell-box", "--sweep", "bounce=1,2", "--out", "c"], "bounce"),
     ],
@@ -146,6 +189,10 @@ def test_what_is_wrong_is_said_in_a_line(
 ) -> None:
     (relight.folder / "broken.json").write_text("{")
     (relight.folder / "unknown.json").write_text('{"sun": {}}')
+    (relight.folder / "matt.json").write_text('{"materials": {"white": {"diffuse": [1, 0, 0]}}}')
+    (relight.folder / "ghost.json").write_text(
+        '{"lights": [{"id": "ghost", "position": [0, 0, 0]}]}'
+    )
     assert message in relight.fails(2, *arguments)
 
 
