@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import socket
 import webbrowser
 from collections.abc import Sequence
@@ -33,7 +34,8 @@ def serve(
     print(f"Relight is at {address}  (Ctrl-C ends it)", flush=True)
     if open_browser:
         webbrowser.open(address)
-    uvicorn.Server(configure(app)).run(sockets=[listener])
+    with contextlib.suppress(KeyboardInterrupt):  # uvicorn has closed everything by then
+        uvicorn.Server(configure(app)).run(sockets=[listener])
 
 
 def configure(app: FastAPI) -> uvicorn.Config:

@@ -89,9 +89,7 @@ class Service:
             )
         settings_of(request.method, request.settings)
         camera = stage.camera(request.edits)
-        return self.jobs.start(
-            self.task(stage, camera, request.method, request.settings), "api"
-        )
+        return self.jobs.start(self.task(stage, camera, request.method, request.settings), "api")
 
     def task(
         self,

@@ -83,7 +83,9 @@ def test_scale_two_is_every_second_pixel(client: Client) -> None:
 def test_a_stop_of_exposure_doubles_the_light(client: Client) -> None:
     dark = pixels(frame(client, exposure=-1)) / 255
     light = pixels(frame(client, exposure=0)) / 255
-    linear = [np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4) for x in (dark, light)]
+    linear = [
+        np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4) for x in (dark, light)
+    ]
     unclipped = (light < 1).all(axis=2) & (dark > 0.08).all(axis=2)
     assert unclipped.sum() > 20
     np.testing.assert_allclose(linear[1][unclipped] / linear[0][unclipped], 2, rtol=0.08)
@@ -160,9 +162,7 @@ def test_refuses_numbers_that_are_none(client: Client, number: str, place: str) 
         ({"quality": 101}, "quality"),
     ],
 )
-def test_bad_parameters_name_themselves(
-    client: Client, query: dict[str, str], field: str
-) -> None:
+def test_bad_parameters_name_themselves(client: Client, query: dict[str, str], field: str) -> None:
     response = client.post(FRAME, json={}, params=query)
     assert (response.status_code, response.json()["field"]) == (422, field)
 
@@ -205,9 +205,7 @@ def test_a_large_body_without_a_length_is_refused_too(client: Client) -> None:
         ("PUT", "/api/scenes", 405),
     ],
 )
-def test_unknown_things_are_problems(
-    client: Client, method: str, path: str, status: int
-) -> None:
+def test_unknown_things_are_problems(client: Client, method: str, path: str, status: int) -> None:
     response = client.request(method, path)
     assert response.status_code == status
     assert response.json()["status"] == status
