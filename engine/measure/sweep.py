@@ -33,7 +33,7 @@ SWEEPS: dict[str, dict[str, tuple[Any, ...]]] = {
     "direct_to_indirect": {
         "coefficients": (25, 50, 100, 200, 400),
         "gather_samples": (4096, 16384, 65536, 262144),
-        "bounces": (1, 2, 3, 4),
+        "bounces": (0, 1, 2, 3, 5),
     },
 }
 """Per method: the settings to sweep and their values."""
@@ -77,6 +77,7 @@ def sweep(
     reference_error  relative L2 error that the references are rendered to
     store            where references are kept
     """
+    todo = [(m, knob, s) for m in methods for knob, s in variants(m, fixed or {}, knobs)]
     held_out = held_out_edits(scene, edits, seed)
     truths = []
     for number, edit in enumerate(held_out):
@@ -85,7 +86,6 @@ def sweep(
     kept = ~scene_edges(scene)
     floor = [resolution(t.image, t.variance, kept) for t in truths]
 
-    todo = [(m, knob, s) for m in methods for knob, s in variants(m, fixed or {}, knobs)]
     points = []
     for number, (method, knob, settings) in enumerate(todo):
         progress("settings", number, len(todo))
