@@ -85,6 +85,8 @@ def describe(error: Exception) -> Problem:
         if error.errors()[0]["type"] == "json_invalid":
             return Problem(title=TITLES[400], status=400, detail="the body is not valid JSON")
         error = invalid(error, skip=("body", "query", "path"))
+    if isinstance(error, HTTPException) and isinstance(error.__cause__, RelightError):
+        error = error.__cause__  # raised while the framework was reading the body
     if isinstance(error, HTTPException):
         title = TITLES.get(error.status_code, "Error")
         return Problem(title=title, status=error.status_code, detail=str(error.detail))

@@ -122,7 +122,7 @@ def test_times_and_header_go_along(client: Client) -> None:
         ({"lights": [{"id": "key", "intensity": [1, -1, 1]}]}, "lights.0.intensity.1"),
         ({"lights": [{"id": "key", "colour": [1, 1, 1]}]}, "lights.0.colour"),
         ({"lights": [{"position": [0, 0, 0]}]}, "lights.0.id"),
-        ({"lights": [{"id": "new", "type": "laser"}]}, "lights.0"),
+        ({"lights": [{"id": "new", "type": "laser"}]}, "lights.0.type"),
         ({"lights": {"id": "key"}}, "lights"),
         ({"lamps": []}, "lamps"),
         ({"camera": {"fov_y_degrees": 0}}, "camera.fov_y_degrees"),
