@@ -182,6 +182,7 @@ def bench(
     history: Annotated[
         Path | None, typer.Option(help="append the result to this file, one line of JSON")
     ] = None,
+    set_: SetOption = None,
 ) -> None:
     """Time precompute and frames, as ratios to this machine's bandwidth and a reference render."""
     with _chart_packages():
@@ -189,7 +190,7 @@ def bench(
         from engine.measure.bench import bench as run_bench
         from engine.measure.report import bench_tables
     with progress_bars() as progress:
-        document = run_bench(scenes or SCENES, progress)
+        document = run_bench(scenes or SCENES, progress, parse_assignments(set_ or ()))
     if history is not None:
         history.parent.mkdir(parents=True, exist_ok=True)
         with history.open("a") as file:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from engine.measure.document import finite, provenance
 from engine.measure.machine import this_machine
 from engine.measure.probes import held_out_edits
+from engine.measure.settings import settings_from
 from engine.measure.sweep import median_parts, time_frames
 from engine.measure.timing import PhaseClock, stopwatch
 from engine.methods import METHODS, prepare
@@ -27,19 +28,27 @@ EDITS, REPEATS = 6, 5
 REFERENCE_SAMPLES, REFERENCE_ERROR = 16, 0.02
 
 
-def bench(sources: Sequence[str] = SCENES, progress: Progress = silent) -> dict[str, Any]:
+def bench(
+    sources: Sequence[str] = SCENES,
+    progress: Progress = silent,
+    changes: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
     """Precompute and frame times of every scene at the method's defaults, as JSON.
+
+    `changes` replaces some of the defaults.
 
     Transport is made from nothing, in a store that is thrown away.
     """
     machine = this_machine()
     bandwidth = machine.memory_read_gb_s * 1e9
-    scenes = [_bench_scene(open_scene(source), bandwidth, progress) for source in sources]
+    settings = settings_from(METHODS[METHOD].settings, changes or {})
+    scenes = [_bench_scene(open_scene(source), settings, bandwidth, progress) for source in sources]
     return finite({**provenance(), "machine": machine.as_dict(), "scenes": scenes})
 
 
-def _bench_scene(scene: Scene, bandwidth: float, progress: Progress) -> dict[str, Any]:
-    settings = METHODS[METHOD].settings()
+def _bench_scene(
+    scene: Scene, settings: Any, bandwidth: float, progress: Progress
+) -> dict[str, Any]:
     edits = held_out_edits(scene, EDITS, seed=1)
     with tempfile.TemporaryDirectory(prefix="relight-bench-") as folder:
         clock = PhaseClock(progress)

@@ -17,7 +17,7 @@ def bench_tables(document: dict[str, Any]) -> list[Table]:
     facts.add_row("version", f"{document['relight']}, {document['commit']}, {document['date']}")
 
     scenes = document["scenes"]
-    table = Table(title=f"{scenes[0]['method']} at its defaults", title_justify="left")
+    table = Table(title=scenes[0]["method"], title_justify="left")
     table.add_column("")
     for scene in scenes:
         name = f"{scene['scene']}\n{scene['width']}x{scene['height']}"

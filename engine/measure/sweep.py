@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from engine.errors import NotFound
 from engine.measure.edges import scene_edges
 from engine.measure.metrics import all_metrics, resolution
 from engine.measure.points import Point, Sweep
@@ -46,6 +47,8 @@ def variants(
     method: str, fixed: Mapping[str, Any], knobs: Mapping[str, Sequence[Any]] | None = None
 ) -> list[tuple[str, Any]]:
     """(swept setting, settings) of every point; the defaults first, no settings twice."""
+    if method not in METHODS:
+        raise NotFound(f"there is no method {method!r}; there are {', '.join(METHODS)}")
     kind = METHODS[method].settings
     base = settings_from(kind, fixed)
     found: list[tuple[str, Any]] = [("", base)]
