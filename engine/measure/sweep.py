@@ -39,7 +39,7 @@ SWEEPS: dict[str, dict[str, tuple[Any, ...]]] = {
 }
 """Per method: the settings to sweep and their values."""
 
-REPEATS = 5
+REPEATS = 9
 REFERENCE_ERROR = 0.05  # the noise is taken out again, see `engine.measure.metrics.relative_l2`
 
 
@@ -86,6 +86,7 @@ def sweep(
     for number, edit in enumerate(held_out):
         progress("references", number, edits)
         truths.append(truth(scene, edit, reference_error, store or Store(), progress))
+    progress("references", edits, edits)
     kept = ~scene_edges(scene)
     floor = [resolution(t.image, t.variance, kept) for t in truths]
 
