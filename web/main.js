@@ -34,7 +34,9 @@ state.listen((what, moving) => {
   handles.draw();
   find("camera-reset").disabled = !state.cameraMoved;
   if (what === "exposure") drawExposure();
-  if (what !== "selected") requests.changed(moving, what === "camera");
+  if (what === "selected") return;
+  canvas.dataset.state = "changing";
+  requests.changed(moving, what === "camera");
 });
 
 async function call(path, options = {}) {
@@ -72,6 +74,7 @@ function showFrame(bitmap, header, roundTrip, cause) {
   const shift = (1 - header.scale) / 2;
   context.drawImage(bitmap, shift, shift, header.width * header.scale, header.height * header.scale);
   for (const key of ["seq", "scale", "format", "method"]) canvas.dataset[key] = header[key];
+  canvas.dataset.state = requests.isFinal(header) ? "final" : "changing";
   find("waiting").hidden = true;
   requests.took(header);
   status.frame(header, roundTrip);

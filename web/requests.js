@@ -9,6 +9,7 @@ export class Requests {
   #due = null;
   #timers = [];
   #fullTime = Infinity;
+  #final = null;
 
   // send({exposure, edits, scale, format, quality}, cause) hands the request on.
   constructor(state, send) {
@@ -21,6 +22,7 @@ export class Requests {
   changed(moving, camera = false) {
     for (const timer of this.#timers) clearTimeout(timer);
     this.#timers = [];
+    this.#final = null;
     const cause = window.event?.timeStamp ?? performance.now();
     if (moving) {
       this.#ask({ scale: this.#fullTime < QUICK_MS && !camera ? 1 : 2, quality: 80 }, cause);
@@ -34,6 +36,11 @@ export class Requests {
   // How long the service took for a frame, in milliseconds.
   took(header) {
     if (header.scale === 1 && header.format === "jpeg") this.#fullTime = header.timings.total;
+  }
+
+  // Whether this is the lossless frame of the last change: nothing more will be asked for.
+  isFinal(header) {
+    return header.seq === this.#final;
   }
 
   #later(delay, request) {
@@ -50,7 +57,9 @@ export class Requests {
       const { request: newest, cause: oldest } = this.#due;
       this.#due = null;
       const { exposure } = this.state;
-      this.send({ edits: this.state.edits(), exposure, format: "jpeg", ...newest }, oldest);
+      const edit = { edits: this.state.edits(), exposure, format: "jpeg", ...newest };
+      const seq = this.send(edit, oldest);
+      if (edit.format === "png") this.#final = seq;
     });
   }
 }

@@ -15,7 +15,7 @@ from playwright.sync_api import Browser, Page
 
 pytestmark = pytest.mark.web
 
-REST = "() => document.getElementById('canvas').dataset.format === 'png'"
+REST = "() => document.getElementById('canvas').dataset.state === 'final'"
 INDIRECT = "() => document.getElementById('canvas').dataset.method === 'direct_to_indirect'"
 
 
@@ -28,17 +28,8 @@ def pixels(page: Page) -> NDArray[np.float64]:
 
 def settled(page: Page) -> NDArray[np.float64]:
     """The lossless picture of the last edit, indirect light included."""
-    page.wait_for_function(INDIRECT, timeout=90_000)
-    page.wait_for_timeout(100)
-    page.wait_for_function(REST)
-    previous = pixels(page)
-    for _ in range(50):
-        page.wait_for_timeout(150)
-        now = pixels(page)
-        if page.evaluate(REST) and (now == previous).all():
-            return now
-        previous = now
-    raise AssertionError("the picture never came to rest")
+    page.wait_for_function(f"() => ({REST})() && ({INDIRECT})()", timeout=90_000)
+    return pixels(page)
 
 
 def light(page: Page, name: str) -> dict[str, Any]:
