@@ -19,7 +19,7 @@ from engine.methods.fixed_view import frame_buffer
 from engine.methods.fixed_view.direct import LightPictures, light_on_pixels, light_on_points
 from engine.methods.fixed_view.frame_buffer import SUBSAMPLES, FrameBuffer, Points
 from engine.numerics.parallel import for_ranges
-from engine.numerics.vec import vec
+from engine.numerics.vec import dot, sub, vec
 from engine.scene.scene import Scene
 
 emitted_by = lights.emitted
@@ -100,7 +100,7 @@ class View:
         offsets = SUBSAMPLES if scale == 1 else np.zeros((1, 2))
         for_ranges(
             _lamp, len(points), table.kind[0], table.row[0], eye,
-            points.view, points.position, points.model, width, offsets, out,
+            points.view, points.position, points.geometric, points.model, width, offsets, out,
         )  # fmt: skip
 
     @cached_property
@@ -137,7 +137,7 @@ def _background(start, stop, model, view, table, out):
 
 
 @njit(cache=True, nogil=True)
-def _lamp(start, stop, kind, row, eye, view, position, model, width, offsets, out):
+def _lamp(start, stop, kind, row, eye, view, position, geometric, model, width, offsets, out):
     """Put the picture of a light with extent over what lies behind it."""
     n = view.shape[0]
     e = (float(eye[0]), float(eye[1]), float(eye[2]))
@@ -146,13 +146,10 @@ def _lamp(start, stop, kind, row, eye, view, position, model, width, offsets, ou
         v = vec(view, i)
         right = i + 1 if (i + 1) % width else i - 1
         below = i + width if i + width < n else i - width
-        far = 1e30
-        if model[i] >= 0:
-            far = 0.0
-            for k in range(3):
-                far += (position[i, k] - e[k]) * -v[k]
+        x, g = vec(position, i), vec(geometric, i)
+        height = dot(sub(x, e), g)
         covered = 0.0
-        r = g = b = 0.0
+        red = green = blue = 0.0
         for s in range(samples):
             a, c = offsets[s, 0], offsets[s, 1]
             d0, d1, d2 = -v[0], -v[1], -v[2]
@@ -164,11 +161,14 @@ def _lamp(start, stop, kind, row, eye, view, position, model, width, offsets, ou
                 d0 -= c * (view[below, 0] - v[0])
                 d1 -= c * (view[below, 1] - v[1])
                 d2 -= c * (view[below, 2] - v[2])
+            slope = d0 * g[0] + d1 * g[1] + d2 * g[2]
+            far = height / slope if model[i] >= 0 and slope != 0.0 else 1e30
             distance, lr, lg, lb = emitted_by(kind, row, e, (d0, d1, d2))
             if 0.0 <= distance < far:
                 covered += 1.0 / samples
-                r, g, b = r + lr / samples, g + lg / samples, b + lb / samples
+                red, green = red + lr / samples, green + lg / samples
+                blue += lb / samples
         if covered > 0.0:
-            out[i, 0] = out[i, 0] * (1.0 - covered) + r
-            out[i, 1] = out[i, 1] * (1.0 - covered) + g
-            out[i, 2] = out[i, 2] * (1.0 - covered) + b
+            out[i, 0] = out[i, 0] * (1.0 - covered) + red
+            out[i, 1] = out[i, 1] * (1.0 - covered) + green
+            out[i, 2] = out[i, 2] * (1.0 - covered) + blue
