@@ -12,6 +12,7 @@ TILE = 64
 
 
 def multiply(
+    length: NDArray[np.int32],
     ids: NDArray[np.int32],
     scale: NDArray[np.float32],
     steps: NDArray[np.int8],
@@ -20,27 +21,26 @@ def multiply(
 ) -> NDArray[np.float32]:
     """Matrix times light: (tiles, 3, rows) float32.
 
-    ids, scale (tiles, k), steps (tiles, k, 64) are a `PackedRows`; light (n_g, 3) float32 are Haar
+    length (tiles,), ids, scale (q,), steps (q, 64) are a `PackedRows`; light (n_g, 3) float32 Haar
     coefficients; `rows` asks for the first so many rows of every tile.
     """
-    tiles = len(ids)
+    tiles = len(length)
+    first = np.concatenate([[0], np.cumsum(length)])
     out = np.zeros((tiles, 3, rows), np.float32)
     kernel = _multiply_all if rows == TILE else _multiply_some
-    for_ranges(kernel, tiles, ids, scale, steps, np.ascontiguousarray(light), out, grain=16)
+    for_ranges(kernel, tiles, first, ids, scale, steps, np.ascontiguousarray(light), out, grain=16)
     return out
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _multiply_all(start, stop, ids, scale, steps, light, out):
+def _multiply_all(start, stop, first, ids, scale, steps, light, out):
     # The row count is a constant here, so the inner loop becomes a few vector instructions.
     for t in range(start, stop):
         red, green, blue = out[t, 0], out[t, 1], out[t, 2]
-        for k in range(ids.shape[1]):
-            w, s = ids[t, k], scale[t, k]
-            if s == 0.0:
-                continue
+        for k in range(first[t], first[t + 1]):
+            w, s = ids[k], scale[k]
             r, g, b = s * light[w, 0], s * light[w, 1], s * light[w, 2]
-            step = steps[t, k]
+            step = steps[k]
             for p in range(64):
                 x = np.float32(step[p])
                 red[p] += x * r
@@ -49,15 +49,13 @@ def _multiply_all(start, stop, ids, scale, steps, light, out):
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _multiply_some(start, stop, ids, scale, steps, light, out):
+def _multiply_some(start, stop, first, ids, scale, steps, light, out):
     for t in range(start, stop):
         red, green, blue = out[t, 0], out[t, 1], out[t, 2]
-        for k in range(ids.shape[1]):
-            w, s = ids[t, k], scale[t, k]
-            if s == 0.0:
-                continue
+        for k in range(first[t], first[t + 1]):
+            w, s = ids[k], scale[k]
             r, g, b = s * light[w, 0], s * light[w, 1], s * light[w, 2]
-            step = steps[t, k]
+            step = steps[k]
             for p in range(out.shape[2]):
                 x = np.float32(step[p])
                 red[p] += x * r

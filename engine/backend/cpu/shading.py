@@ -119,11 +119,11 @@ def soften_edges(
     width: int,
     sub: NDArray[np.float32],
 ) -> NDArray[np.float32]:
-    """Visibility (n,) float32 in quarters: pixels at a shadow's edge get four shadow rays.
+    """Visibility (n,) float32: pixels at a shadow's edge get a shadow ray for each sub-sample.
 
     A pixel lies at an edge where one of its eight neighbours has the other visibility. The
-    sub-samples, `directions` (n, 3) plus each of `sub` (4, 2) in units of the last two, lie on the
-    tangent plane of the pixel's centre; pixels of `skip` have real ones and are left alone.
+    sub-samples, `directions` (n, 3) plus each of `sub` (k, 2) in pixels, lie on the tangent plane of
+    the pixel's centre; pixels of `skip` have real ones and are left alone.
     """
     n = len(visible)
     at_edge = np.zeros(n, np.bool_)
@@ -133,14 +133,14 @@ def soften_edges(
     m = len(pixel)
     if m == 0:
         return fraction
-    origin = np.zeros((4 * m, 3), np.float32)
-    direction = np.zeros((4 * m, 3), np.float32)
+    origin = np.zeros((len(sub) * m, 3), np.float32)
+    direction = np.zeros((len(sub) * m, 3), np.float32)
     for_ranges(
         _edge_rays, m, pixel, directions, position, geometric, np.asarray(eye, np.float32), width,
         sub, kind, light, u[0], u[1], rays.epsilon, origin, direction,
     )  # fmt: skip
     blocked = rays.occluded(origin, direction, 1.0)
-    fraction[pixel] = 1.0 - blocked.reshape(m, 4).mean(axis=1, dtype=np.float32)
+    fraction[pixel] = 1.0 - blocked.reshape(m, -1).mean(axis=1, dtype=np.float32)
     return fraction
 
 
@@ -174,7 +174,7 @@ def _edge_rays(
         dx = sub(vec(directions, right), d) if width > 1 else (0.0, 0.0, 0.0)
         dy = sub(vec(directions, below), d) if n > width else (0.0, 0.0, 0.0)
         height = dot(sub(x, e), g)
-        for k in range(4):
+        for k in range(len(offsets)):
             a, b = offsets[k, 0], offsets[k, 1]
             ray = add(d, add(scale(dx, a), scale(dy, b)))
             slope = dot(ray, g)
@@ -182,5 +182,5 @@ def _edge_rays(
             wx, wy, wz, distance, _r, _g, _b = illuminate(kind, light, p, u1, u2)
             o, s = shadow_ray(p, g, (wx, wy, wz), distance, epsilon)
             for c in range(3):
-                origin[4 * j + k, c] = o[c]
-                direction[4 * j + k, c] = s[c]
+                origin[j * len(offsets) + k, c] = o[c]
+                direction[j * len(offsets) + k, c] = s[c]

@@ -15,7 +15,7 @@ Hašan, Pellacini, Bala 2006, *Direct-to-Indirect Transfer for Cinematic Relight
 | M | sum of P^k, `Transfer.bounce` | bounces within the cloud, one at a time |
 | W | `engine.numerics.haar` | Haar transform on the cluster tree |
 | k_d | `View.reflectance` / π | what a view sample does with irradiance |
-| K, D | `normal_weight`, `Scene.diagonal` | weights of eq. 9 |
+| K, D | `position_weight`, `Scene.diagonal` | weights of eq. 9 |
 
 Where we leave the paper: M is applied bounce by bounce (scalar rows, any number of bounces, no
 photon noise); form factors are those of disks (no clamp in corners); 64 neighbouring rows share

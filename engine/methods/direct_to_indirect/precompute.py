@@ -7,7 +7,6 @@ from concurrent.futures import Executor
 from dataclasses import asdict
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.methods.base import Progress
 from engine.methods.direct_to_indirect.product import NAME, Transfer
@@ -16,14 +15,14 @@ from engine.methods.fixed_view.chunks import run_chunks
 from engine.methods.fixed_view.cloud import GatherCloud, build_cloud, cloud_arrays, cloud_from
 from engine.methods.fixed_view.frame_buffer import Points
 from engine.methods.fixed_view.gather import Job
+from engine.methods.fixed_view.importance import wavelet_importance
 from engine.methods.fixed_view.rows import PackedRows
 from engine.methods.fixed_view.tiles import pixel_tiles, run_tiles
 from engine.methods.fixed_view.view import View
-from engine.numerics import haar
 from engine.scene.scene import Scene
 from engine.store import Store
 
-VERSION = 1  # of the stored arrays and of what they mean
+VERSION = 2  # of the stored arrays and of what they mean
 
 # Settings that the matrices do not depend on.
 AT_RUN_TIME = ("bounces",)
@@ -43,7 +42,7 @@ def precompute(
     if stored["cloud"] is None:
         progress("gather cloud", 0, 1)
         cloud = build_cloud(
-            scene, view.buffer.centre, settings.gather_samples, settings.normal_weight,
+            scene, view.buffer.centre, settings.gather_samples, settings.position_weight,
             settings.seed,
         )  # fmt: skip
         entry.write("cloud", cloud_arrays(cloud), {"area": cloud.area})
@@ -81,11 +80,6 @@ def key(scene: Scene, settings: Settings) -> str:
     return digest.hexdigest()
 
 
-def importance(samples: int, power: float) -> NDArray[np.float32]:
-    """Area weighting: (n_g,) float32, the support of each wavelet to a power, at most 1."""
-    return ((haar.support(samples) / samples) ** power).astype(np.float32)
-
-
 def _job(scene: Scene, settings: Settings, view: View, cloud: GatherCloud, final: bool) -> Job:
     points: Points = view.buffer.centre if final else cloud.points
     if final:
@@ -103,7 +97,7 @@ def _job(scene: Scene, settings: Settings, view: View, cloud: GatherCloud, final
         leaf_position=cloud.points.position,
         leaf_geometric=cloud.points.geometric,
         clusters=cloud.clusters,
-        importance=importance(len(cloud), settings.support_power),
+        importance=wavelet_importance(scene, cloud, settings.seed),
         link_size=settings.link_size if final else settings.bounce_link_size,
         patch_size=settings.patch_size,
         coefficients=settings.coefficients if final else settings.bounce_coefficients,

@@ -18,15 +18,15 @@ class Settings:
     """Samples of the gather cloud: a power of four from 256 to 4,194,304 (§3.4, §6)."""
 
     coefficients: int = 100
-    """Wavelets kept per tile of view samples: 1 to 4096 (§3.7)."""
+    """Wavelets that a view sample keeps: 1 to 4096 (§3.7, Table 2); see `fixed_view.rows`."""
 
     bounce_coefficients: int = 40
-    """Wavelets kept per tile of gather samples: 1 to 4096 (§3.7)."""
+    """Wavelets that a gather sample keeps: 1 to 4096 (§3.7, Table 2)."""
 
     bounces: int = 3
     """Bounces between gather samples, before the final gather: 0 to 64 (§4.3, path length)."""
 
-    normal_weight: float = 30.0
+    position_weight: float = 30.0
     """K of eq. 9, the weight of positions against normals: 20 to 40 in the paper, 1 to 1000."""
 
     link_size: float = 0.02
@@ -38,9 +38,6 @@ class Settings:
     patch_size: float = 0.35
     """Diagonal by distance above which the form factor is refined within a link: 0.05 to 2."""
 
-    support_power: float = 1.0
-    """Area weighting (§4.3): coefficients are ranked times (support)^power, 0 to 2."""
-
     seed: int = 1
     """Of all random choices: 0 to 2^31."""
 
@@ -50,11 +47,10 @@ class Settings:
             ("coefficients", 1, 4096),
             ("bounce_coefficients", 1, 4096),
             ("bounces", 0, 64),
-            ("normal_weight", 1, 1000),
+            ("position_weight", 1, 1000),
             ("link_size", 0.0005, 1),
             ("bounce_link_size", 0.0005, 1),
             ("patch_size", 0.05, 2),
-            ("support_power", 0, 2),
             ("seed", 0, 2**31),
         ):
             value = getattr(self, name)

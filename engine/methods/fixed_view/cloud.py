@@ -55,7 +55,7 @@ class GatherCloud:
 
 
 def build_cloud(
-    scene: Scene, view: Points, count: int, normal_weight: float, seed: int
+    scene: Scene, view: Points, count: int, position_weight: float, seed: int
 ) -> GatherCloud:
     """Sample `count` = 4^k points on the sides that the view's particles touch."""
     sides = exposed_sides(scene, view, seed)
@@ -77,7 +77,7 @@ def build_cloud(
     triangle = picked // 2
     points = _describe(scene, triangle, (picked & 1).astype(np.bool_), barycentric)
 
-    order = build_order(points.position, points.normal, scene.diagonal, normal_weight)
+    order = build_order(points.position, points.normal, scene.diagonal, position_weight)
     points = points.take(order)
     arrays = {
         "position": points.position,

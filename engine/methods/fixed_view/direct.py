@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from engine.backend.cpu.shading import VISIBLE, light_points, soften_edges
 from engine.light.base import Light
 from engine.light.table import light_table
-from engine.methods.fixed_view.frame_buffer import SUBSAMPLES, FrameBuffer, Points
+from engine.methods.fixed_view.frame_buffer import FINE, FrameBuffer, Points
 from engine.scene.rays import RayTracer
 
 # A light with extent is lit from a 4 x 4 grid of its points, the same for every pixel: shadows are
@@ -58,7 +58,7 @@ def light_on_pixels(rays: RayTracer, buffer: FrameBuffer, light: Light) -> NDArr
         radiance, visible = light_points(rays, *_arrays(centre), table.kind[0], table.row[0], u)
         fraction = soften_edges(
             rays, buffer.camera.position, -centre.view, centre.position, centre.geometric, skip,
-            visible, table.kind[0], table.row[0], u, buffer.camera.width, SUBSAMPLES,
+            visible, table.kind[0], table.row[0], u, buffer.camera.width, FINE,
         )  # fmt: skip
         radiance *= fraction[:, None]
         out += radiance

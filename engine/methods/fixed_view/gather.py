@@ -18,6 +18,7 @@ from engine.methods.fixed_view.rows import TILE, PackedRows, make_scratch, pack,
 from engine.scene.rays import RayTracer
 
 CHUNK_TILES = 64
+LONGEST = 8  # a tile's list is at most so many times the coefficients asked for
 
 
 @dataclass
@@ -30,7 +31,7 @@ class Job:
     leaf_position, leaf_geometric (n_g, 3) float32, the gather samples
     importance (n_g,) float32     see `rows.pack`
     link_size, patch_size         see `links`
-    coefficients                  kept per tile
+    coefficients                  that a row would keep with a list of its own
     """
 
     positions: NDArray[np.float32]
@@ -66,12 +67,7 @@ def gather_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     if job.rays is None:
         job.rays = RayTracer(job.positions, job.triangles)
     tiles = job.tiles[chunk * CHUNK_TILES : (chunk + 1) * CHUNK_TILES]
-    k = job.coefficients
-    packed = PackedRows(
-        np.zeros((len(tiles), k), np.int32),
-        np.zeros((len(tiles), k), np.float32),
-        np.zeros((len(tiles), k, TILE), np.int8),
-    )
+    lists: list[PackedRows] = []
     kept = np.ones(len(tiles), np.float32)
     rays = np.zeros(len(tiles), np.int64)
     room = room_for_links(TILE, 1 << 16, 1 << 18)
@@ -90,11 +86,19 @@ def gather_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
             if count >= 0:
                 break
             ids, values = np.zeros(2 * len(ids), np.int32), np.zeros(2 * len(ids), np.float32)
-        kept[t] = pack(
-            ids, values, starts, job.importance, scratch, packed.ids[t], packed.scale[t],
-            packed.steps[t],
-        )  # fmt: skip
-    return {**packed._asdict(), "kept": kept, "rays": rays}
+        most = LONGEST * job.coefficients
+        wavelets, scale = np.zeros(most, np.int32), np.zeros(most, np.float32)
+        steps = np.zeros((most, TILE), np.int8)
+        length, kept[t] = pack(
+            ids, values, starts, job.importance, job.coefficients, scratch, wavelets, scale, steps
+        )
+        lists.append(
+            PackedRows(
+                np.array([length], np.int32), wavelets[:length], scale[:length], steps[:length]
+            )
+        )
+    joined = PackedRows(*(np.concatenate(parts) for parts in zip(*lists, strict=True)))
+    return {**joined._asdict(), "kept": kept, "rays": rays}
 
 
 def _links_of(job: Job, index: NDArray[np.int32], room: Links) -> tuple[Links, int]:

@@ -5,9 +5,9 @@ rows share one list of wavelet ids, so the packed tile is a dense block of bytes
 every row a list of its own (Hašan et al. 2006, §3.5); the shared list costs a third of the bytes
 per coefficient and lets the product run at the speed of memory.
 
-The list holds the coefficients with the greatest energy over the tile after *area weighting*
-(§4.3): each is multiplied by a power of the support of its basis function, because light varies
-slowly and so the large wavelets carry most of it.
+The list holds the wavelets with the greatest energy over the tile, weighted by their `importance`.
+It is as long as it must be to keep what the rows would keep with the asked number of coefficients
+each, a list of their own: typically twice that number.
 """
 
 from __future__ import annotations
@@ -27,11 +27,13 @@ TILE = 64
 class PackedRows(NamedTuple):
     """A matrix of `tiles` x 64 rows and n_g columns in wavelet space, 8 bits a coefficient.
 
-    ids      (tiles, k) int32       wavelet of each coefficient
-    scale    (tiles, k) float32     value of one step of the coefficient
-    steps    (tiles, k, 64) int8    coefficients of the 64 rows, in units of scale
+    length   (tiles,) int32     wavelets in each tile's list; the lists follow each other
+    ids      (q,) int32         wavelet
+    scale    (q,) float32       value of one step of its coefficients
+    steps    (q, 64) int8       its coefficients in the 64 rows, in units of scale
     """
 
+    length: NDArray[np.int32]
     ids: NDArray[np.int32]
     scale: NDArray[np.float32]
     steps: NDArray[np.int8]
@@ -145,12 +147,12 @@ def _clear(scratch, order):
 
 
 @njit(cache=True, nogil=True)
-def pack(ids, values, starts, importance, scratch, out_ids, out_scale, out_steps):
+def pack(ids, values, starts, importance, coefficients, scratch, out_ids, out_scale, out_steps):
     """Choose one tile's wavelets and quantise its rows.
 
     ids, values, starts as from `project`; importance (n_g,) float32 weighs the coefficients of one
-    wavelet against those of others; out_ids, out_scale (k,), out_steps (k, 64) are one tile of
-    PackedRows. Returns the share of the weighted energy that was kept.
+    wavelet against those of others; out_ids, out_scale (k,), out_steps (k, 64) get the tile's list,
+    all zero before. Returns its length and the share of the weighted energy that it keeps.
     """
     scratch = borrow(scratch)
 
@@ -166,7 +168,20 @@ def pack(ids, values, starts, importance, scratch, out_ids, out_scale, out_steps
             found += 1
         scratch.energy[w] += values[q] * values[q]
 
-    # Keep those that matter most.
+    # Ask how much each row would keep with a list of its own.
+    target = 0.0
+    for b in range(rows):
+        n = starts[b + 1] - starts[b]
+        own = np.zeros(n)
+        for j in range(n):
+            q = starts[b] + j
+            own[j] = (values[q] * importance[ids[q]]) ** 2
+        if n > coefficients:
+            target += np.partition(own, n - coefficients)[n - coefficients :].sum()
+        else:
+            target += own.sum()
+
+    # Keep those that matter most, until the tile has that much.
     energy = np.zeros(found)
     total = kept = 0.0
     for j in range(found):
@@ -174,11 +189,12 @@ def pack(ids, values, starts, importance, scratch, out_ids, out_scale, out_steps
         energy[j] = -scratch.energy[w] * importance[w] * importance[w]
         total -= energy[j]
     order = np.argsort(energy, kind="mergesort")
-    chosen = min(found, out_ids.shape[0])
-    for k in range(chosen):
-        out_ids[k] = mine[order[k]]
-        scratch.slot[out_ids[k]] = k
-        kept -= energy[order[k]]
+    chosen = 0
+    while chosen < min(found, out_ids.shape[0]) and kept < target:
+        out_ids[chosen] = mine[order[chosen]]
+        scratch.slot[out_ids[chosen]] = chosen
+        kept -= energy[order[chosen]]
+        chosen += 1
 
     # Scale each wavelet's coefficients to eight bits.
     for q in range(starts[rows]):
@@ -193,4 +209,4 @@ def pack(ids, values, starts, importance, scratch, out_ids, out_scale, out_steps
     for j in range(found):
         scratch.slot[mine[j]] = -1
         scratch.energy[mine[j]] = 0.0
-    return kept / total if total > 0.0 else 1.0
+    return chosen, (kept / total if total > 0.0 else 1.0)

@@ -17,7 +17,7 @@ from engine.light.environment import environment_table
 from engine.light.table import light_table
 from engine.methods.fixed_view import frame_buffer
 from engine.methods.fixed_view.direct import LightPictures, light_on_pixels, light_on_points
-from engine.methods.fixed_view.frame_buffer import SUBSAMPLES, FrameBuffer, Points
+from engine.methods.fixed_view.frame_buffer import FINE, FrameBuffer, Points
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, sub, vec
 from engine.scene.scene import Scene
@@ -97,7 +97,7 @@ class View:
         table = light_table([light])
         points, eye = self.points(scale), np.asarray(self.scene.camera.position, np.float32)
         _, width = self.shape(scale)
-        offsets = SUBSAMPLES if scale == 1 else np.zeros((1, 2))
+        offsets = FINE if scale == 1 else np.zeros((1, 2))
         for_ranges(
             _lamp, len(points), table.kind[0], table.row[0], eye,
             points.view, points.position, points.geometric, points.model, width, offsets, out,
