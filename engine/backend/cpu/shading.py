@@ -105,82 +105,76 @@ def _unshadowed(
     return count
 
 
-def soften_edges(
-    rays: RayTracer,
+def light_edges(
+    visible: NDArray[np.uint8], skip: NDArray[np.bool_], width: int
+) -> NDArray[np.int32]:
+    """Pixels (m,) int32 where light ends: one of the eight neighbours is lit otherwise.
+
+    visible (n,) uint8 from `light_points`; pixels of `skip` (n,) bool are left out.
+    """
+    at_edge = np.zeros(len(visible), np.bool_)
+    for_ranges(_at_light_edge, len(visible), visible, skip, width, at_edge)
+    return np.flatnonzero(at_edge).astype(np.int32)
+
+
+def on_tangent_planes(
+    pixel: NDArray[np.int32],
     eye: tuple[float, float, float],
-    directions: NDArray[np.float32],
+    view: NDArray[np.float32],
     position: NDArray[np.float32],
     geometric: NDArray[np.float32],
-    skip: NDArray[np.bool_],
-    visible: NDArray[np.uint8],
-    kind: int,
-    light: NDArray[np.float32],
-    u: tuple[float, float],
     width: int,
-    sub: NDArray[np.float32],
+    offsets: NDArray[np.float64],
 ) -> NDArray[np.float32]:
-    """Visibility (n,) float32: pixels at a shadow's edge get a shadow ray for each sub-sample.
+    """Where rays through sub-samples of pixels meet the tangent planes of the pixels' centres.
 
-    A pixel lies at an edge where one of its eight neighbours has the other visibility. The
-    sub-samples, `directions` (n, 3) plus each of `sub` (k, 2) in pixels, lie on the tangent plane of
-    the pixel's centre; pixels of `skip` have real ones and are left alone.
+    pixel (m,); eye, view, position, geometric of all n pixels of a picture `width` wide; offsets
+    (k, 2) in pixels. Returns (m * k, 3) float32.
     """
-    n = len(visible)
-    at_edge = np.zeros(n, np.bool_)
-    for_ranges(_at_shadow_edge, n, visible, skip, width, at_edge)
-    pixel = np.flatnonzero(at_edge).astype(np.int32)
-    fraction = (visible == VISIBLE).astype(np.float32)
-    m = len(pixel)
-    if m == 0:
-        return fraction
-    origin = np.zeros((len(sub) * m, 3), np.float32)
-    direction = np.zeros((len(sub) * m, 3), np.float32)
-    for_ranges(
-        _edge_rays, m, pixel, directions, position, geometric, np.asarray(eye, np.float32), width,
-        sub, kind, light, u[0], u[1], rays.epsilon, origin, direction,
-    )  # fmt: skip
-    blocked = rays.occluded(origin, direction, 1.0)
-    fraction[pixel] = 1.0 - blocked.reshape(m, -1).mean(axis=1, dtype=np.float32)
-    return fraction
+    out = np.zeros((len(pixel) * len(offsets), 3), np.float32)
+    args = (pixel, np.asarray(eye, np.float32), view, position, geometric, width, offsets, out)
+    for_ranges(_on_planes, len(pixel), *args, grain=1024)
+    return out
 
 
 @njit(cache=True, nogil=True)
-def _at_shadow_edge(start, stop, visible, skip, width, at_edge):
+def _at_light_edge(start, stop, visible, skip, width, at_edge):
     height = visible.shape[0] // width
     for i in range(start, stop):
-        if visible[i] == DARK or skip[i]:
+        if skip[i]:
             continue
         x, y = i % width, i // width
         for v in range(max(0, y - 1), min(height, y + 2)):
             for h in range(max(0, x - 1), min(width, x + 2)):
-                other = visible[v * width + h]
-                if other != DARK and other != visible[i]:
+                if visible[v * width + h] != visible[i]:
                     at_edge[i] = True
 
 
 @njit(cache=True, nogil=True)
-def _edge_rays(
-    start, stop, pixel, directions, position, geometric, eye, width, offsets, kind, light, u1, u2,
-    epsilon, origin, direction,
-):  # fmt: skip
-    e = (float(eye[0]), float(eye[1]), float(eye[2]))
-    n = directions.shape[0]
+def _on_planes(start, stop, pixel, eye, view, position, geometric, width, offsets, out):
+    e = vec(eye.reshape(1, 3), 0)
+    k = offsets.shape[0]
     for j in range(start, stop):
         i = pixel[j]
-        x, g, d = vec(position, i), vec(geometric, i), vec(directions, i)
-        # Differences to neighbouring pixels span the picture around this one.
-        right = i + 1 if (i + 1) % width else i - 1
-        below = i + width if i + width < n else i - width
-        dx = sub(vec(directions, right), d) if width > 1 else (0.0, 0.0, 0.0)
-        dy = sub(vec(directions, below), d) if n > width else (0.0, 0.0, 0.0)
+        x, g = vec(position, i), vec(geometric, i)
         height = dot(sub(x, e), g)
-        for k in range(len(offsets)):
-            a, b = offsets[k, 0], offsets[k, 1]
-            ray = add(d, add(scale(dx, a), scale(dy, b)))
+        for s in range(k):
+            ray = neighbour_ray(view, i, width, offsets[s, 0], offsets[s, 1])
             slope = dot(ray, g)
             p = x if slope > -1e-3 else add(e, scale(ray, height / slope))
-            wx, wy, wz, distance, _r, _g, _b = illuminate(kind, light, p, u1, u2)
-            o, s = shadow_ray(p, g, (wx, wy, wz), distance, epsilon)
             for c in range(3):
-                origin[j * len(offsets) + k, c] = o[c]
-                direction[j * len(offsets) + k, c] = s[c]
+                out[j * k + s, c] = p[c]
+
+
+@njit
+def neighbour_ray(view, i, width, dx, dy):
+    """Direction from the eye through pixel i moved by (dx, dy) pixels, about unit length."""
+    n = view.shape[0]
+    d = scale(vec(view, i), -1.0)
+    if width > 1:
+        other, sign = (i + 1, -dx) if (i + 1) % width else (i - 1, dx)
+        d = add(d, scale(sub(vec(view, other), vec(view, i)), sign))
+    if n > width:
+        other, sign = (i + width, -dy) if i + width < n else (i - width, dy)
+        d = add(d, scale(sub(vec(view, other), vec(view, i)), sign))
+    return d

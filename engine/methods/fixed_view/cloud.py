@@ -70,10 +70,10 @@ def build_cloud(
         raise SceneError("no surface of the scene has an area", field="objects")
 
     # Draw sides and places on them.
-    order = items.copy()
+    shuffled = items.copy()
     picked = np.zeros(count, np.int32)
     barycentric = np.zeros((count, 2), np.float32)
-    _split_and_sample(order, centre, area, count, seed, picked, barycentric)
+    _split_and_sample(shuffled, centre, area, count, seed, picked, barycentric)
     triangle = picked // 2
     points = _describe(scene, triangle, (picked & 1).astype(np.bool_), barycentric)
 

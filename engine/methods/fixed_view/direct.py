@@ -7,14 +7,14 @@ change are kept (§5 of Hašan et al. 2006 caches all lights but the moving one)
 from __future__ import annotations
 
 from collections import OrderedDict
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.backend.cpu.shading import VISIBLE, light_points, soften_edges
+from engine.backend.cpu.shading import VISIBLE, light_edges, light_points, on_tangent_planes
 from engine.light.base import Light
-from engine.light.table import light_table
+from engine.light.table import LightTable, light_table
 from engine.methods.fixed_view.frame_buffer import FINE, FrameBuffer, Points
 from engine.scene.rays import RayTracer
 
@@ -38,7 +38,7 @@ def light_on_points(rays: RayTracer, points: Points, light: Light) -> NDArray[np
     out = np.zeros((len(points), 3), np.float32)
     samples = light_samples(light) if len(table.kind) else []
     for u in samples:
-        radiance, visible = light_points(rays, *_arrays(points), table.kind[0], table.row[0], u)
+        radiance, visible = _light(rays, points, table, u)
         radiance[visible != VISIBLE] = 0
         out += radiance
     return out / np.float32(max(1, len(samples)))
@@ -55,12 +55,19 @@ def light_on_pixels(rays: RayTracer, buffer: FrameBuffer, light: Light) -> NDArr
     skip[buffer.edge] = True
     samples = light_samples(light)
     for u in samples:
-        radiance, visible = light_points(rays, *_arrays(centre), table.kind[0], table.row[0], u)
-        fraction = soften_edges(
-            rays, buffer.camera.position, -centre.view, centre.position, centre.geometric, skip,
-            visible, table.kind[0], table.row[0], u, buffer.camera.width, FINE,
+        radiance, visible = _light(rays, centre, table, u)
+        radiance[visible != VISIBLE] = 0
+
+        # Where light ends within a pixel, light its tangent plane at a finer grid of places.
+        pixel = light_edges(visible, skip, buffer.camera.width)
+        fine = centre.take(np.repeat(pixel, len(FINE)))
+        fine.position[:] = on_tangent_planes(
+            pixel, buffer.camera.position, centre.view, centre.position, centre.geometric,
+            buffer.camera.width, FINE,
         )  # fmt: skip
-        radiance *= fraction[:, None]
+        each, seen = _light(rays, fine, table, u)
+        each[seen != VISIBLE] = 0
+        radiance[pixel] = each.reshape(-1, len(FINE), 3).mean(axis=1)
         out += radiance
     out /= np.float32(len(samples))
     sub = light_on_points(rays, buffer.sub, light)
@@ -68,24 +75,33 @@ def light_on_pixels(rays: RayTracer, buffer: FrameBuffer, light: Light) -> NDArr
     return out
 
 
-def _arrays(points: Points) -> tuple[NDArray[Any], ...]:
-    return (
-        points.position,
-        points.normal,
-        points.geometric,
-        points.view,
-        points.model,
-        points.row,
-    )
+def _light(
+    rays: RayTracer, points: Points, table: LightTable, u: tuple[float, float]
+) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    return light_points(
+        rays, points.position, points.normal, points.geometric, points.view, points.model,
+        points.row, table.kind[0], table.row[0], u,
+    )  # fmt: skip
+
+
+Lamp = tuple[NDArray[np.intp], NDArray[np.float32], NDArray[np.float32]]
+"""Pixels (m,) that a lamp covers, how much of each (m, 1), and its radiance there (m, 3)."""
 
 
 class LightPictures:
     """Remembers what each light did, so that only lights that changed are computed again."""
 
     def __init__(self) -> None:
-        self._pictures: OrderedDict[tuple[Any, Light], NDArray[np.float32]] = OrderedDict()
+        self._pictures: OrderedDict[tuple[int | str, Light], NDArray[np.float32]] = OrderedDict()
+        self._lamps: OrderedDict[tuple[int, Light], Lamp] = OrderedDict()
 
-    def total(self, what: Any, lights: tuple[Light, ...], compute: Any, n: int) -> Any:
+    def total(
+        self,
+        what: int | str,
+        lights: tuple[Light, ...],
+        compute: Callable[[Light], NDArray[np.float32]],
+        n: int,
+    ) -> NDArray[np.float32]:
         """Sum over enabled lights of compute(light) (n, 3); `what` names the kind of picture."""
         out = np.zeros((n, 3), np.float32)
         on = [light for light in lights if light.enabled]
@@ -102,3 +118,13 @@ class LightPictures:
         while len(self._pictures) > KEPT_PICTURES:
             self._pictures.popitem(last=False)
         return out
+
+    def lamp(self, scale: int, light: Light, compute: Callable[[], Lamp]) -> Lamp:
+        """The picture of a light itself."""
+        key = (scale, light)
+        if key not in self._lamps:
+            self._lamps[key] = compute()
+        self._lamps.move_to_end(key)
+        while len(self._lamps) > KEPT_PICTURES:
+            self._lamps.popitem(last=False)
+        return self._lamps[key]

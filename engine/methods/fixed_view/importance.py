@@ -63,8 +63,14 @@ def trial_lights(scene: Scene, cloud: GatherCloud, seed: int) -> list[Light]:
         if k % 2:
             cone = CONES_DEGREES[k // 2 % len(CONES_DEGREES)]
             lights.append(
-                SpotLight(id=f"trial {k}", position=tuple(p), target=tuple(o), cone_degrees=cone)
+                SpotLight(
+                    id=f"trial {k}",
+                    position=tuple(p),
+                    target=tuple(o),
+                    cone_degrees=cone,
+                    intensity=(1, 1, 1),
+                )
             )
         else:
-            lights.append(PointLight(id=f"trial {k}", position=tuple(p)))
+            lights.append(PointLight(id=f"trial {k}", position=tuple(p), intensity=(1, 1, 1)))
     return lights

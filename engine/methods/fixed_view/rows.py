@@ -44,7 +44,7 @@ class Scratch(NamedTuple):
 
     scaling  (c,) float32   scaling coefficient of every cluster
     touched  (c,) bool
-    queue    (c,) int32     touched clusters, a run per level
+    queue    (c,) int32     touched clusters, those of each level from the level's first row on
     energy   (n_g,) float64
     slot     (n_g,) int32   place of a wavelet in the tile's list
     """
@@ -76,56 +76,52 @@ def project(first, link, cluster, weight, blocked, depth, scratch, ids, values, 
     number of coefficients, or -1 where the room does not suffice.
     """
     scratch = borrow(scratch)
+    tail = np.zeros(depth + 1, np.int64)
     count = 0
     for b in range(first.shape[0] - 1):
         starts[b] = count
         # Mark the clusters that are above a visible patch, level by level.
-        tail = 0
+        tail[:] = 0
         for p in range(first[b], first[b + 1]):
             if blocked[link[p]]:
                 continue
             c = cluster[p]
             level = _level(c)
             scratch.scaling[c] += weight[p] * (1 << (depth - level))
-            while True:
-                if scratch.touched[c]:
-                    break
+            while not scratch.touched[c]:
                 scratch.touched[c] = True
-                scratch.queue[tail] = c
-                tail += 1
-                if c == 0:
-                    break
-                c = (c - 1) // 4
-        if tail == 0:
+                scratch.queue[level_start(level) + tail[level]] = c
+                tail[level] += 1
+                if level > 0:
+                    c = (c - 1) // 4
+                    level -= 1
+        if tail[0] == 0:
             continue
-        # Children always have larger rows than their parents.
-        order = np.sort(scratch.queue[:tail])
-        for k in range(tail - 1, -1, -1):
-            c = order[k]
-            child = 4 * c + 1
-            level = _level(c)
-            if level < depth:
+
+        # Transform from the leaves up. A parent yields at most three coefficients.
+        if count + 3 * tail.sum() + 1 > ids.shape[0]:
+            _clear(scratch, tail)
+            return -1
+        for level in range(depth - 1, -1, -1):
+            start = level_start(level)
+            for k in range(start, start + tail[level]):
+                c = scratch.queue[k]
+                child = 4 * c + 1
                 v0, v1 = scratch.scaling[child], scratch.scaling[child + 1]
                 v2, v3 = scratch.scaling[child + 2], scratch.scaling[child + 3]
-                if v0 != 0.0 or v1 != 0.0 or v2 != 0.0 or v3 != 0.0:
-                    if count + 4 > ids.shape[0]:
-                        _clear(scratch, order)
-                        return -1
-                    node = c - level_start(level)
-                    base = (1 << (2 * level)) + 3 * node
-                    for j in range(3):
-                        ids[count + j] = base + j
-                    values[count] = 0.5 * (v0 - v1 + v2 - v3)
-                    values[count + 1] = 0.5 * (v0 + v1 - v2 - v3)
-                    values[count + 2] = 0.5 * (v0 - v1 - v2 + v3)
-                    count += 3
-                    scratch.scaling[c] += 0.5 * (v0 + v1 + v2 + v3)
-        if count + 1 > ids.shape[0]:
-            _clear(scratch, order)
-            return -1
+                if v0 == 0.0 and v1 == 0.0 and v2 == 0.0 and v3 == 0.0:
+                    continue
+                base = (1 << (2 * level)) + 3 * (c - start)
+                for j in range(3):
+                    ids[count + j] = base + j
+                values[count] = 0.5 * (v0 - v1 + v2 - v3)
+                values[count + 1] = 0.5 * (v0 + v1 - v2 - v3)
+                values[count + 2] = 0.5 * (v0 - v1 - v2 + v3)
+                count += 3
+                scratch.scaling[c] += 0.5 * (v0 + v1 + v2 + v3)
         ids[count], values[count] = 0, scratch.scaling[0]
         count += 1
-        _clear(scratch, order)
+        _clear(scratch, tail)
     starts[first.shape[0] - 1] = count
     return count
 
@@ -140,10 +136,12 @@ def _level(c):
 
 
 @njit
-def _clear(scratch, order):
-    for c in order:
-        scratch.scaling[c] = 0.0
-        scratch.touched[c] = False
+def _clear(scratch, tail):
+    for level in range(tail.shape[0]):
+        start = level_start(level)
+        for k in range(start, start + tail[level]):
+            scratch.scaling[scratch.queue[k]] = 0.0
+            scratch.touched[scratch.queue[k]] = False
 
 
 @njit(cache=True, nogil=True)

@@ -9,6 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.backend.cpu.environment import environment_on_points
+from engine.backend.cpu.shading import light_edges, neighbour_ray
 from engine.brdf import albedo
 from engine.light import environment as environments
 from engine.light import table as lights
@@ -16,7 +17,12 @@ from engine.light.base import Light
 from engine.light.environment import environment_table
 from engine.light.table import light_table
 from engine.methods.fixed_view import frame_buffer
-from engine.methods.fixed_view.direct import LightPictures, light_on_pixels, light_on_points
+from engine.methods.fixed_view.direct import (
+    Lamp,
+    LightPictures,
+    light_on_pixels,
+    light_on_points,
+)
 from engine.methods.fixed_view.frame_buffer import FINE, FrameBuffer, Points
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, sub, vec
@@ -94,14 +100,27 @@ class View:
         return out
 
     def _show_light(self, light: Light, scale: int, out: NDArray[np.float32]) -> None:
+        pixel, cover, radiance = self.pictures.lamp(scale, light, lambda: self._lamp(light, scale))
+        out[pixel] = out[pixel] * (1 - cover) + radiance
+
+    def _lamp(self, light: Light, scale: int) -> Lamp:
+        """What the camera sees of a light with extent itself; at scale 1 antialiased."""
         table = light_table([light])
         points, eye = self.points(scale), np.asarray(self.scene.camera.position, np.float32)
         _, width = self.shape(scale)
-        offsets = FINE if scale == 1 else np.zeros((1, 2))
-        for_ranges(
-            _lamp, len(points), table.kind[0], table.row[0], eye,
-            points.view, points.position, points.geometric, points.model, width, offsets, out,
-        )  # fmt: skip
+        args = (table.kind[0], table.row[0], eye, points.view, points.position, points.geometric,
+                points.model, width)  # fmt: skip
+        everywhere = np.arange(len(points), dtype=np.int32)
+        seen = np.zeros((len(points), 4), np.float32)
+        for_ranges(_see_lamp, len(points), everywhere, *args, np.zeros((1, 2)), seen)
+        if scale == 1:
+            hit = seen[:, 3].astype(np.uint8)
+            edge = light_edges(hit, np.zeros(len(hit), np.bool_), width)
+            fine = np.zeros((len(edge), 4), np.float32)
+            for_ranges(_see_lamp, len(edge), edge, *args, FINE, fine)
+            seen[edge] = fine
+        pixel = np.flatnonzero(seen[:, 3])
+        return pixel, seen[pixel, 3:], seen[pixel, :3]
 
     @cached_property
     def reflectance(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -137,38 +156,23 @@ def _background(start, stop, model, view, table, out):
 
 
 @njit(cache=True, nogil=True)
-def _lamp(start, stop, kind, row, eye, view, position, geometric, model, width, offsets, out):
-    """Put the picture of a light with extent over what lies behind it."""
-    n = view.shape[0]
-    e = (float(eye[0]), float(eye[1]), float(eye[2]))
-    samples = offsets.shape[0]
-    for i in range(start, stop):
-        v = vec(view, i)
-        right = i + 1 if (i + 1) % width else i - 1
-        below = i + width if i + width < n else i - width
-        x, g = vec(position, i), vec(geometric, i)
-        height = dot(sub(x, e), g)
-        covered = 0.0
-        red = green = blue = 0.0
-        for s in range(samples):
-            a, c = offsets[s, 0], offsets[s, 1]
-            d0, d1, d2 = -v[0], -v[1], -v[2]
-            if width > 1 and a != 0.0:
-                d0 -= a * (view[right, 0] - v[0])
-                d1 -= a * (view[right, 1] - v[1])
-                d2 -= a * (view[right, 2] - v[2])
-            if n > width and c != 0.0:
-                d0 -= c * (view[below, 0] - v[0])
-                d1 -= c * (view[below, 1] - v[1])
-                d2 -= c * (view[below, 2] - v[2])
-            slope = d0 * g[0] + d1 * g[1] + d2 * g[2]
+def _see_lamp(
+    start, stop, pixel, kind, row, eye, view, position, geometric, model, width, offsets, out
+):
+    """Fill out (m, 4) with a lamp's mean radiance in pixels and how much of them it covers."""
+    e = vec(eye.reshape(1, 3), 0)
+    share = 1.0 / offsets.shape[0]
+    for j in range(start, stop):
+        i = pixel[j]
+        g = vec(geometric, i)
+        height = dot(sub(vec(position, i), e), g)
+        for s in range(offsets.shape[0]):
+            d = neighbour_ray(view, i, width, offsets[s, 0], offsets[s, 1])
+            slope = dot(d, g)
             far = height / slope if model[i] >= 0 and slope != 0.0 else 1e30
-            distance, lr, lg, lb = emitted_by(kind, row, e, (d0, d1, d2))
+            distance, red, green, blue = emitted_by(kind, row, e, d)
             if 0.0 <= distance < far:
-                covered += 1.0 / samples
-                red, green = red + lr / samples, green + lg / samples
-                blue += lb / samples
-        if covered > 0.0:
-            out[i, 0] = out[i, 0] * (1.0 - covered) + red
-            out[i, 1] = out[i, 1] * (1.0 - covered) + green
-            out[i, 2] = out[i, 2] * (1.0 - covered) + blue
+                out[j, 0] += red * share
+                out[j, 1] += green * share
+                out[j, 2] += blue * share
+                out[j, 3] += share
