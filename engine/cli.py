@@ -215,8 +215,11 @@ def serve(
     ] = False,
 ) -> None:
     """Serve the page."""
+    from engine.methods.warm import compile_kernels
     from server.main import serve as run
 
+    with progress_bars() as progress:
+        compile_kernels(progress)
     run(scenes or ["cornell-box"], host, port, open_browser=open_browser)
 
 

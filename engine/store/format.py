@@ -38,7 +38,8 @@ _KINDS = "biufc"  # bool, integers, floats, complex: everything whose bytes are 
 class Stored:
     """What a file holds.
 
-    arrays  read-only views of the mapped file, as they were written (C order)
+    arrays  views of the mapped file, as they were written (C order); what is written into them
+            stays in this process and never reaches the file
     meta    the JSON document; tuples came back as lists
     """
 
@@ -84,7 +85,8 @@ def load(path: Path) -> Stored:
         size = file.seek(0, 2)
         if size < _FIXED.size:
             raise StoreError(f"{size} bytes are too few for a stored file")
-        mapped = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+        # Private pages: writable arrays, which Numba compiles for already, over a file that stays.
+        mapped = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_COPY)
     header = _header(mapped)
     if header["size"] != size:
         raise StoreError(f"{size} bytes long where it should be {header['size']}")

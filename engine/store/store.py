@@ -81,7 +81,7 @@ class Entry:
         """What is stored under a name; None where nothing is, or nothing that is whole.
 
         The arrays are mapped, not read into memory, apart from one pass for the checksums. They
-        are read-only, which Numba takes for another type than that of a writable array.
+        are private to this process: what is written into them does not reach the file.
         """
         path = self._path(name)
         try:
