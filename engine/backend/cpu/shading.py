@@ -108,13 +108,18 @@ def _unshadowed(
 def light_edges(
     visible: NDArray[np.uint8], skip: NDArray[np.bool_], width: int
 ) -> NDArray[np.int32]:
-    """Pixels (m,) int32 where light ends: one of the eight neighbours is lit otherwise.
+    """Pixels (m,) int32 where light ends: one of the four neighbours is lit otherwise.
 
     visible (n,) uint8 from `light_points`; pixels of `skip` (n,) bool are left out.
     """
-    at_edge = np.zeros(len(visible), np.bool_)
-    for_ranges(_at_light_edge, len(visible), visible, skip, width, at_edge)
-    return np.flatnonzero(at_edge).astype(np.int32)
+    lit = visible.reshape(-1, width)
+    at_edge = np.zeros(lit.shape, np.bool_)
+    across, down = lit[:, 1:] != lit[:, :-1], lit[1:] != lit[:-1]
+    at_edge[:, 1:] |= across
+    at_edge[:, :-1] |= across
+    at_edge[1:] |= down
+    at_edge[:-1] |= down
+    return np.flatnonzero(at_edge.ravel() & ~skip).astype(np.int32)
 
 
 def on_tangent_planes(
@@ -135,19 +140,6 @@ def on_tangent_planes(
     args = (pixel, np.asarray(eye, np.float32), view, position, geometric, width, offsets, out)
     for_ranges(_on_planes, len(pixel), *args, grain=1024)
     return out
-
-
-@njit(cache=True, nogil=True)
-def _at_light_edge(start, stop, visible, skip, width, at_edge):
-    height = visible.shape[0] // width
-    for i in range(start, stop):
-        if skip[i]:
-            continue
-        x, y = i % width, i // width
-        for v in range(max(0, y - 1), min(height, y + 2)):
-            for h in range(max(0, x - 1), min(width, x + 2)):
-                if visible[v * width + h] != visible[i]:
-                    at_edge[i] = True
 
 
 @njit(cache=True, nogil=True)

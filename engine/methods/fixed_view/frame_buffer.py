@@ -24,7 +24,7 @@ from engine.scene.scene import Scene
 SUBSAMPLES = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])
 
 # A finer grid, for what changes from frame to frame: the edges of shadows and of lamps.
-FINE = np.array([[(i + 0.5) / 4 - 0.5, (j + 0.5) / 4 - 0.5] for j in range(4) for i in range(4)])
+FINE = np.array([[i / 3, j / 3] for j in (-1, 0, 1) for i in (-1, 0, 1)])
 
 # Sub-samples belong together where their normals agree to about 8 degrees and they lie within
 # half a pixel's footprint of the centre's tangent plane.

@@ -138,13 +138,16 @@ def _upper_bound(clusters, level, node, x, n):
         return 0.0
     d2 = dot(v, v)
     d = math.sqrt(d2)
-    # Cull what faces away: every normal is more than a right angle from every way to x.
+    # The widest angle between a normal of the cluster and its way to x bounds the other cosine.
+    facing = 1.0
     if d > r:
         toward = -dot(vec(clusters.axis, c), v) / d
         wide = math.acos(float(clusters.spread[c])) + math.asin(r / d)
-        if wide < 0.5 * math.pi and toward < -math.sin(wide):
+        angle = math.acos(max(-1.0, min(1.0, toward))) - wide
+        if angle >= 0.5 * math.pi:
             return 0.0
-    area = clusters.area * (1 << (2 * (clusters.depth - level)))
+        facing = math.cos(max(0.0, angle))
+    area = clusters.area * facing * (1 << (2 * (clusters.depth - level)))
     near = max(d - r, 0.25 * d)
     cosine = min(1.0, (height + r) / max(d, 1e-12))
     return area * cosine / max(near * near, 1e-20)
