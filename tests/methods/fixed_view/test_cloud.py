@@ -1,0 +1,273 @@
+"""The gather cloud: evenly over all exposed area, on the right sides, whatever the triangles."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from methods.scenes import camera, cornell, rectangle, scene
+from scipy import stats
+
+from engine.errors import SceneError
+from engine.methods.fixed_view.cloud import GatherCloud, build_cloud, cloud_arrays, cloud_from
+from engine.methods.fixed_view.frame_buffer import look_at
+from engine.methods.fixed_view.sides import exposed_sides, smooth_pieces
+from engine.methods.fixed_view.view import View
+from engine.scene.scene import Scene
+
+
+def cloud_of(scene: Scene, count: int = 1024, seed: int = 1) -> GatherCloud:
+    return build_cloud(scene, View(scene).buffer.centre, count, 6.0, seed)
+
+
+def area_of(scene: Scene) -> np.ndarray:
+    """(t,) areas of the triangles, m²."""
+    a, b, c = np.moveaxis(scene.geometry.positions[scene.geometry.triangles].astype(float), 1, 0)
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+
+
+def triangle_of(scene: Scene, cloud: GatherCloud) -> np.ndarray:
+    """(n,) the triangle that each sample lies on, found by a ray back along its normal."""
+    start = cloud.points.position + 1e-3 * cloud.points.geometric
+    hits = scene.rays.intersect(start, -cloud.points.geometric)
+    np.testing.assert_allclose(hits.distance, 1e-3, atol=1e-4)
+    return hits.triangle
+
+
+def test_samples_fall_by_area():
+    """A chi-square test over the triangles; splitting the budget only makes it more even."""
+    box = cornell(32)
+    cloud = cloud_of(box, 4096)
+    area = area_of(box)
+    expected = 4096 * area / area.sum()
+    counted = np.bincount(triangle_of(box, cloud), minlength=len(area))
+    chi = ((counted - expected) ** 2 / expected).sum()
+    assert chi < stats.chi2.isf(1e-3, len(area) - 1)
+    assert np.abs(counted - expected).max() < 3
+    assert cloud.area == pytest.approx(area.sum() / 4096)
+
+
+def test_samples_fall_evenly_within_a_triangle():
+    """Chi-square of the samples of a floor over a grid of 8 x 8 cells."""
+    floor = scene(
+        camera=camera(position=[0, 2, 0.1]),
+        objects=[rectangle("floor", [2, 2], [0, 0, 0], [-90, 0, 0])],
+    )
+    cloud = cloud_of(floor, 4096)
+    counted, _, _ = np.histogram2d(
+        cloud.points.position[:, 0], cloud.points.position[:, 2], 8, [[-1, 1], [-1, 1]]
+    )
+    assert counted.sum() == 4096
+    chi = ((counted - 64) ** 2 / 64).sum()
+    assert chi < stats.chi2.isf(1e-3, 63)
+
+
+def test_normals_point_to_where_the_light_is():
+    """Every normal of a closed room points inwards, whatever the order of corners."""
+    box = cornell(32)
+    cloud = cloud_of(box, 1024)
+    inside = np.float32([0.278, 0.2744, 0.2796])
+    wall = np.isin(
+        cloud.points.object,
+        [box.object_names.index(n) for n in ("floor", "ceiling", "back wall", "right wall")],
+    )
+    toward = np.einsum("ij,ij->i", inside - cloud.points.position, cloud.points.normal)
+    assert wall.sum() > 500
+    assert (toward[wall] > 0).all()
+    np.testing.assert_allclose(np.linalg.norm(cloud.points.normal, axis=1), 1, atol=1e-5)
+
+
+@pytest.mark.parametrize("inverted", [False, True])
+def test_nothing_inside_a_closed_box(inverted: bool):
+    """Also where its triangles are wound the wrong way round."""
+    corners = box_corners((0.5, 0.25, 1.0))
+    box = scene(
+        camera=camera(position=[2, 2, 3], fov_y_degrees=40),
+        objects=[
+            {
+                "name": "box",
+                "mesh": {
+                    "shape": "polygons",
+                    "polygons": [c[::-1] for c in corners] if inverted else corners,
+                },
+            },
+            {"name": "room", "mesh": {"shape": "box", "size": [8, 8, 8]}},
+        ],
+    )
+    sides = exposed_sides(box, View(box).buffer.centre, 1)
+    assert sides[:12].tolist() == [[not inverted, inverted]] * 12
+    points = cloud_of(box, 4096).points
+    on_box = points.object == 0
+    outward = points.position[on_box] / np.float32([0.5, 0.25, 1])
+    # 7 m² of box in 391.
+    assert abs(on_box.sum() - 4096 * 7 / 391) < 8
+    assert (np.einsum("ij,ij->i", outward, points.normal[on_box]) > 0.9).all()
+
+
+def test_what_no_light_reaches_has_samples_on_its_front():
+    """Of a lone convex body, which sends itself no light."""
+    ball = scene(
+        camera=camera(position=[0, 0, 3]),
+        objects=[{"name": "ball", "mesh": {"shape": "sphere", "rings": 8}}],
+    )
+    points = cloud_of(ball, 256).points
+    assert (np.einsum("ij,ij->i", points.position, points.normal) > 0.4).all()
+
+
+def box_corners(half: tuple[float, float, float]) -> list[list[list[float]]]:
+    """Six polygons, counter-clockwise seen from outside."""
+    faces = []
+    for axis in range(3):
+        for side in (-1, 1):
+            u, v = (axis + 1) % 3, (axis + 2) % 3
+            corners = np.zeros((4, 3))
+            corners[:, axis] = side
+            corners[:, u], corners[:, v] = (-1, 1, 1, -1), (-1, -1, 1, 1)
+            faces.append((corners[::side] * half).tolist())
+    return faces
+
+
+def thin_sheet() -> Scene:
+    """A sheet that hangs in a room and splits it nearly in two, light on both sides."""
+    return scene(
+        camera=camera(position=[0.9, 0, 0.9]),
+        objects=[
+            {"name": "room", "mesh": {"shape": "box", "size": [2, 2, 2]}},
+            rectangle("sheet", [1, 1], [0, 0, 0]),
+        ],
+    )
+
+
+def test_a_thin_sheet_has_samples_on_both_sides():
+    sheet = thin_sheet()
+    cloud = cloud_of(sheet, 4096)
+    mine = cloud.points.object == sheet.object_names.index("sheet")
+    front = mine & (cloud.points.normal[:, 2] > 0.5)
+    back = mine & (cloud.points.normal[:, 2] < -0.5)
+    assert (front | back).sum() == mine.sum()
+    # Of 24 m² of room and 2 m² of sheet each side of the sheet gets its share.
+    for side in (front, back):
+        assert abs(side.sum() - 4096 / 26) < 8
+
+
+def test_a_million_to_one():
+    """Triangles of 1 mm² and of 1 m² beside each other: the small ones get what they are worth."""
+    small = 1e-3
+    mixed = scene(
+        camera=camera(position=[0, 2, 0.1]),
+        objects=[
+            rectangle("large", [1, 1], [0, 0, 0], [-90, 0, 0]),
+            *(
+                rectangle(f"small {k}", [small, small], [0.6 + 0.01 * k, 0.1, 0], [-90, 0, 0])
+                for k in range(20)
+            ),
+        ],
+    )
+    cloud = cloud_of(mixed, 4096)
+    assert np.isfinite(cloud.points.position).all()
+    on_large = cloud.points.object == 0
+    # The small ones together are worth a twelfth of a sample.
+    assert on_large.sum() >= 4095
+    assert cloud.area == pytest.approx((1 + 20 * small**2) / 4096, rel=1e-5)
+
+
+def test_one_triangle():
+    lone = scene(
+        camera=camera(position=[0.3, 0.3, 2], target=[0.3, 0.3, 0]),
+        objects=[
+            {
+                "name": "triangle",
+                "mesh": {"shape": "polygons", "polygons": [[[0, 0, 0], [1, 0, 0], [0, 1, 0]]]},
+            }
+        ],
+    )
+    cloud = cloud_of(lone, 256)
+    p = cloud.points.position
+    assert p.min() >= 0
+    assert (p[:, 0] + p[:, 1]).max() <= 1 + 1e-6
+    assert not p[:, 2].any()
+    # Each quarter of the triangle has a quarter of the samples.
+    corner = (p[:, 0] + p[:, 1] < 0.5).sum()
+    assert abs(corner - 64) < 8
+    assert cloud.area == pytest.approx(0.5 / 256)
+
+
+def test_a_camera_that_sees_nothing_still_has_a_cloud():
+    away = scene(
+        camera=camera(position=[0, 0, 3], target=[0, 0, 6]),
+        objects=[{"name": "box", "mesh": {"shape": "box"}}],
+    )
+    cloud = cloud_of(away, 256)
+    assert len(cloud) == 256
+    assert np.isfinite(cloud.points.position).all()
+
+
+def test_same_seed_same_cloud(monkeypatch: pytest.MonkeyPatch):
+    box = cornell(32)
+    monkeypatch.setenv("RELIGHT_THREADS", "1")
+    one = cloud_arrays(cloud_of(box))
+    monkeypatch.setenv("RELIGHT_THREADS", "2")
+    two = cloud_arrays(cloud_of(box))
+    other = cloud_arrays(cloud_of(box, seed=2))
+    assert all(one[name].tobytes() == two[name].tobytes() for name in one)
+    assert one["position"].tobytes() != other["position"].tobytes()
+
+
+def test_survives_being_stored():
+    cloud = cloud_of(cornell(32), 256)
+    again = cloud_from(cloud_arrays(cloud), cloud.area)
+    for a, b in zip(cloud.clusters, again.clusters, strict=True):
+        np.testing.assert_array_equal(a, b)
+    for name in ("position", "normal", "row", "model", "material"):
+        np.testing.assert_array_equal(getattr(cloud.points, name), getattr(again.points, name))
+
+
+def test_albedo_is_the_material_and_gloss_counts():
+    """A diffuse sample has its colour; a glossy one reflects more than its diffuse part."""
+    balls = scene(
+        camera=camera(position=[0, 0, 4]),
+        materials={
+            "matt": {"type": "diffuse", "diffuse": [0.2, 0.4, 0.6]},
+            "shiny": {
+                "type": "ggx",
+                "diffuse": [0.2, 0.4, 0.6],
+                "specular": [0.3, 0.3, 0.3],
+                "roughness": 0.4,
+            },
+            "glow": {"type": "diffuse", "diffuse": [0, 0, 0], "emission": [1, 2, 3]},
+        },
+        objects=[
+            {
+                "name": name,
+                "mesh": {"shape": "sphere", "rings": 8},
+                "material": name,
+                "transform": {"translate": [x, 0, 0]},
+            }
+            for name, x in (("matt", -1.2), ("shiny", 0), ("glow", 1.2))
+        ],
+    )
+    cloud = cloud_of(balls)
+    of = {name: cloud.points.object == k for k, name in enumerate(balls.object_names)}
+    np.testing.assert_allclose(cloud.albedo[of["matt"]], [[0.2, 0.4, 0.6]] * of["matt"].sum())
+    assert (cloud.albedo[of["shiny"]] > [[0.25, 0.45, 0.6]]).all()
+    assert (cloud.albedo[of["shiny"]] < 1).all()
+    assert not cloud.albedo[of["glow"]].any()
+    np.testing.assert_array_equal(cloud.emission[of["glow"]], [[1, 2, 3]] * of["glow"].sum())
+    assert not cloud.emission[~of["glow"]].any()
+
+
+def test_pieces_are_connected_meshes():
+    sheet = thin_sheet()
+    piece = smooth_pieces(sheet)
+    # Six faces of a box that share no vertices for their normals' sake, and the sheet.
+    assert len(np.unique(piece)) == 7
+    assert piece[-1] == piece[-2]
+
+
+def test_no_area_is_said():
+    flat = cornell(16)
+    geometry = flat.geometry._replace(positions=np.zeros_like(flat.geometry.positions))
+    nothing = look_at(flat, flat.camera.directions(np.zeros(1), np.zeros(1)))
+    with pytest.raises(SceneError, match="area"):
+        build_cloud(replace(flat, geometry=geometry), nothing, 256, 6.0, 1)
