@@ -27,6 +27,8 @@ from engine.scene.edits import Edits, edited_lights
 
 NAME = "direct_to_indirect"
 ENVIRONMENT_SAMPLES = 64
+POWER_ITERATIONS = 12
+MOST_DECAY = 0.99  # a room that keeps more than this of its light per bounce is not believed
 NEGLIGIBLE = 0.02  # of the indirect light: what the bounces may miss before the user is told
 
 
@@ -34,7 +36,8 @@ class Transfer:
     """v = k_d * F (I + P + ... + P^b) g, F and P in wavelet space (eq. 2, 5).
 
     P = (albedo / π) G is one bounce within the gather cloud. It is applied b times at run time,
-    which costs a few milliseconds, in place of the paper's matrix M of all bounces in colour.
+    which costs a few milliseconds, in place of the paper's matrix M of all bounces in colour. The
+    bounces after those are the last one times a geometric series in P's dominant eigenvalue.
     """
 
     def __init__(
@@ -62,6 +65,7 @@ class Transfer:
             points.model, points.row, environment_table(view.scene.environment),
             ENVIRONMENT_SAMPLES, 11,
         )  # fmt: skip
+        self._decay = self._dominant_decay()
         self._glossy = _glossy_share(view)
 
     @property
@@ -121,21 +125,41 @@ class Transfer:
         return frame.image - self.view.direct(lights, 1).reshape(frame.image.shape)
 
     def _bounce(self, g: NDArray[np.float32]) -> tuple[NDArray[np.float32], float]:
-        """Sum of the bounces, and the part of it that further bounces would add, estimated."""
+        """Sum of all bounces, and how wrong its tail may be as a part of it.
+
+        The last bounce that is computed stands for those that follow: by then they are alike but
+        for a factor, so their sum is a geometric series.
+        """
         total, b = g.copy(), g
-        energy = [float(g.sum(dtype=np.float64))]
+        before = after = g.sum(axis=0, dtype=np.float64)
         for _ in range(self._settings.bounces):
-            values = multiply(*self.bounce, haar.forward(b))
-            b = np.zeros_like(g)
-            for_ranges(scatter, len(self._runs), self._runs, values, b, grain=64)
-            b *= self._reflected
+            b = self._one_bounce(b)
             total += b
-            energy.append(float(b.sum(dtype=np.float64)))
-        if len(energy) < 2 or energy[0] <= 0:
+            before, after = after, b.sum(axis=0, dtype=np.float64)
+        if self._settings.bounces == 0:
             return total, 0.0
-        decay = max(0.0, energy[-1] / max(energy[-2], 1e-30))
-        rest = energy[-1] * decay / (1 - decay) if decay < 1 else np.inf
-        return total, rest / max(sum(energy), 1e-30)
+        series = self._decay / (1 - self._decay)
+        total += b * series.astype(np.float32)
+        seen = np.clip(after / np.maximum(before, 1e-30), 0, MOST_DECAY)
+        off = np.abs(after * (seen / (1 - seen) - series)).sum()
+        return total, float(off / max(float(total.sum(dtype=np.float64)), 1e-30))
+
+    def _one_bounce(self, radiance: NDArray[np.float32]) -> NDArray[np.float32]:
+        """P radiance, (n_g, 3) float32: what the cloud reflects of its own light."""
+        values = multiply(*self.bounce, haar.forward(radiance))
+        out = np.zeros_like(radiance)
+        for_ranges(scatter, len(self._runs), self._runs, values, out, grain=64)
+        out *= self._reflected
+        return out
+
+    def _dominant_decay(self) -> NDArray[np.float64]:
+        """(3,) float64: the part of the light that survives one bounce after many."""
+        b = self._reflected
+        before = after = np.ones(3)
+        for _ in range(POWER_ITERATIONS):
+            before, b = b.sum(axis=0, dtype=np.float64), self._one_bounce(b)
+            after = b.sum(axis=0, dtype=np.float64)
+        return np.clip(after / np.maximum(before, 1e-30), 0, MOST_DECAY)
 
     def _compose(
         self, irradiance: NDArray[np.float32], image: NDArray[np.float32], scale: int
@@ -162,8 +186,8 @@ class Transfer:
             found.append(
                 Diagnosis(
                     "bounces_truncated",
-                    f"About {100 * missing:.0f} % of the light in the room is lost after "
-                    f"{self._settings.bounces} bounces; set bounces higher.",
+                    f"The light after {self._settings.bounces} bounces is a guess, and may be "
+                    f"{100 * missing:.0f} % of all light off; set bounces higher.",
                     missing,
                 )
             )
