@@ -1,0 +1,145 @@
+"""The gather matrix the obvious way: dense, from the kernels' own links, or in closed form."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.methods.fixed_view.gather import Job
+from engine.methods.fixed_view.hierarchy import Clusters, build_order, describe_clusters
+from engine.methods.fixed_view.links import Links, find_links, room_for_links
+from engine.methods.fixed_view.rows import TILE, PackedRows, make_scratch, pack, project
+from engine.numerics.haar import forward
+from engine.scene.rays import RayTracer
+
+LINK, PATCH = 0.05, 0.5
+
+
+class Cloud(NamedTuple):
+    """Gather samples in tree order."""
+
+    position: np.ndarray
+    normal: np.ndarray
+    clusters: Clusters
+
+
+def cloud(position: np.ndarray, normal: np.ndarray, area: float) -> Cloud:
+    """Samples (n, 3) with normals (n, 3), of `area` m² each."""
+    position = np.ascontiguousarray(position, np.float32)
+    normal = np.ascontiguousarray(np.broadcast_to(normal, position.shape), np.float32)
+    diagonal = float(np.linalg.norm(np.ptp(position, axis=0)))
+    order = build_order(position, normal, diagonal, 6.0)
+    position, normal = position[order], normal[order]
+    return Cloud(position, normal, describe_clusters(position, normal, area))
+
+
+def square(n: int, centre: tuple, u: tuple, v: tuple, normal: tuple) -> Cloud:
+    """n x n samples on the square centre ± u ± v."""
+    s = (np.arange(n) + 0.5) / n * 2 - 1
+    a, b = np.meshgrid(s, s)
+    position = np.array(centre) + a.reshape(-1, 1) * np.array(u) + b.reshape(-1, 1) * np.array(v)
+    area = 4 * np.linalg.norm(np.cross(u, v)) / n**2
+    return cloud(position, np.array(normal, float), float(area))
+
+
+def links_of(points: np.ndarray, normals: np.ndarray, samples: Cloud) -> tuple[Links, int]:
+    """Links of points (b, 3), unblocked, and their number."""
+    points = np.ascontiguousarray(points, np.float32)
+    normals = np.ascontiguousarray(normals, np.float32)
+    room = room_for_links(len(points), 1 << 16, 1 << 18)
+    count = find_links(
+        np.arange(len(points), dtype=np.int32), points, normals, normals, samples.position,
+        samples.normal, samples.clusters, LINK, PATCH, 1e-4, 1, room,
+    )  # fmt: skip
+    assert count >= 0, "no room"
+    return room, count
+
+
+def dense_rows(room: Links, blocked: np.ndarray, samples: Cloud) -> np.ndarray:
+    """(b, n_g) float64: F of every sample for every point, patch by patch."""
+    depth = samples.clusters.depth
+    rows = np.zeros((len(room.first) - 1, len(samples.position)))
+    for b in range(len(rows)):
+        for p in range(room.first[b], room.first[b + 1]):
+            if not blocked[room.link[p]]:
+                level = 0
+                while (4 ** (level + 1) - 1) // 3 <= room.cluster[p]:
+                    level += 1
+                j, run = room.cluster[p] - (4**level - 1) // 3, 4 ** (depth - level)
+                rows[b, j * run : (j + 1) * run] += room.weight[p]
+    return rows
+
+
+def projected(room: Links, blocked: np.ndarray, samples: Cloud):
+    """(ids, values, starts) of `project`."""
+    ids, values = np.zeros(1 << 19, np.int32), np.zeros(1 << 19, np.float32)
+    starts = np.zeros(len(room.first), np.int64)
+    scratch = make_scratch(len(samples.position))
+    count = project(
+        room.first, room.link, room.cluster, room.weight, blocked, samples.clusters.depth, scratch,
+        ids, values, starts,
+    )  # fmt: skip
+    assert count >= 0, "no room"
+    assert not scratch.scaling.any()
+    assert not scratch.touched.any()
+    return ids[:count], values[:count], starts
+
+
+def packed(ids, values, starts, n: int, coefficients: int, importance=None):
+    """(PackedRows of one tile, share of energy kept)."""
+    importance = np.ones(n, np.float32) if importance is None else importance
+    most = min(8 * coefficients, 4 * n)
+    wavelets, scale = np.zeros(most, np.int32), np.zeros(most, np.float32)
+    steps = np.zeros((most, TILE), np.int8)
+    scratch = make_scratch(n)
+    length, kept = pack(
+        ids, values, starts, importance, coefficients, scratch, wavelets, scale, steps
+    )
+    assert not scratch.energy.any()
+    assert (scratch.slot == -1).all()
+    rows = PackedRows(
+        np.array([length], np.int32), wavelets[:length], scale[:length], steps[:length]
+    )
+    return rows, kept
+
+
+def unpacked(rows: PackedRows, n: int, points: int = TILE) -> np.ndarray:
+    """(tiles * points, n) float64: the rows in wavelet space, dense."""
+    out = np.zeros((len(rows.length), points, n))
+    first = np.concatenate([[0], np.cumsum(rows.length)])
+    for t in range(len(rows.length)):
+        for k in range(first[t], first[t + 1]):
+            out[t, :, rows.ids[k]] += float(rows.scale[k]) * rows.steps[k, :points].astype(float)
+    return out.reshape(-1, n)
+
+
+def haar_rows(rows: np.ndarray) -> np.ndarray:
+    """Dense rows (b, n) to wavelet space."""
+    return forward(np.ascontiguousarray(rows.T)).T
+
+
+def job(samples: Cloud, points: np.ndarray, normals: np.ndarray, rays: RayTracer, **fields) -> Job:
+    """A job over points in runs of 64, with shadow rays."""
+    runs = np.arange(len(points), dtype=np.int32).reshape(-1, TILE)
+    settings = {
+        "importance": np.ones(len(samples.position), np.float32),
+        "link_size": LINK,
+        "patch_size": PATCH,
+        "coefficients": 4096,
+        "seed": 1,
+        **fields,
+    }
+    return Job(
+        positions=np.zeros((0, 3), np.float32),
+        triangles=np.zeros((0, 3), np.int32),
+        tiles=runs,
+        position=np.ascontiguousarray(points, np.float32),
+        normal=np.ascontiguousarray(normals, np.float32),
+        geometric=np.ascontiguousarray(normals, np.float32),
+        leaf_position=samples.position,
+        leaf_geometric=samples.normal,
+        clusters=samples.clusters,
+        rays=rays,
+        **settings,
+    )
