@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Iterable, Mapping, Sequence
 from typing import Any
 
 from fastapi import FastAPI
@@ -14,6 +14,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from engine.errors import RelightError
 from engine.resources import resource
 from server import problems
+from server.origin import LOOPBACK, OwnPageOnly
 from server.precompute import run_in_process
 from server.routes import router
 from server.service import Precompute, Service
@@ -34,12 +35,14 @@ def create_app(
     precompute: Precompute = run_in_process,
     precompute_at_start: bool = True,
     settings: Mapping[str, Any] | None = None,
+    names: Iterable[str] | None = LOOPBACK,
 ) -> FastAPI:
     """The service for these scenes (built-in names or files) and all built-in ones.
 
     precompute           fills the store with the product of a task
     precompute_at_start  begin with the default scene before anybody asks
     settings             of the method, in place of its defaults
+    names                that the service may be called by, None for any
     Raises NotFound where a name is neither a built-in scene nor a file.
     """
     service = Service(stages(scenes), precompute, settings)
@@ -60,6 +63,7 @@ def create_app(
     app.include_router(router)
     app.mount("/", StaticFiles(directory=resource("web"), html=True))
     app.add_middleware(Limits)
+    app.add_middleware(OwnPageOnly, names=names)
     return app
 
 

@@ -12,6 +12,7 @@ from fastapi import FastAPI
 
 from engine.errors import RelightError
 from server.app import MAX_BODY, create_app
+from server.origin import names_of
 
 TRIES = 20
 
@@ -28,7 +29,7 @@ def serve(
     Where the port is taken the next free one is used; port 0 takes any. Raises RelightError where
     none can be had, NotFound for a scene that is neither built in nor a file.
     """
-    app = create_app(scenes)
+    app = create_app(scenes, names=names_of(host))
     listener = listen(host, port)
     address = f"http://{host}:{listener.getsockname()[1]}/"
     print(f"Relight is at {address}  (Ctrl-C ends it)", flush=True)

@@ -169,23 +169,14 @@ def main() -> None:
 
 
 def settings_of(method: str, values: dict[str, Any]) -> Any:
-    """The method's settings with some values replaced; InputError names an unknown one."""
-    from dataclasses import fields
-
+    """The method's settings with some values replaced; InputError names a wrong one."""
+    from engine.measure.settings import settings_from
     from engine.methods import METHODS
 
-    kind = METHODS[method].settings
-    known = {field.name for field in fields(kind)}
-    for name in values:
-        if name not in known:
-            raise InputError(
-                f"{method} has no such setting; it has {', '.join(sorted(known))}",
-                field=f"settings.{name}",
-            )
     try:
-        return kind(**values)
-    except (TypeError, ValueError) as error:
-        raise InputError(str(error), field="settings") from None
+        return settings_from(METHODS[method].settings, values)
+    except InputError as error:
+        raise InputError(error.message, field=f"settings.{error.field}".rstrip(".")) from None
 
 
 if __name__ == "__main__":

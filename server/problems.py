@@ -34,6 +34,7 @@ MEDIA_TYPE = "application/problem+json"
 
 TITLES = {
     400: "The request cannot be read",
+    403: "Not allowed",
     404: "Not found",
     405: "Method not allowed",
     406: "No such image format",
@@ -49,6 +50,10 @@ class Busy(RelightError):
     """Too much is waiting already; come back later."""
 
 
+class Forbidden(RelightError):
+    """Not for this asker."""
+
+
 class TooLarge(RelightError):
     """The body is over the limit."""
 
@@ -60,6 +65,7 @@ class NotAcceptable(RelightError):
 STATUS: tuple[tuple[type[RelightError], int], ...] = (
     (InputError, 422),
     (NotFound, 404),
+    (Forbidden, 403),
     (Cancelled, 409),
     (BackendError, 503),
     (Busy, 503),

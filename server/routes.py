@@ -10,12 +10,12 @@ from fastapi import APIRouter, Body, Header, Query, Request, Response, WebSocket
 from fastapi.responses import StreamingResponse
 
 from engine.errors import NotFound
-from engine.scene.edits import Edits
 from server.accept import MEDIA_TYPES, negotiate
 from server.live import Session
 from server.problems import describe
 from server.service import Service
 from server.wire import (
+    Edits,
     Exposure,
     JobState,
     LiveProblem,

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic_core import PydanticCustomError
 
 from engine.diagnosis import Diagnosis
+from engine.light.maps import BUILT_IN
 from engine.scene.camera import Camera
-from engine.scene.edits import Edits
+from engine.scene.edits import Edits as AnyEdits
 
 ImageFormat = Literal["jpeg", "png", "webp", "exr"]
 JobStatus = Literal["queued", "running", "done", "failed", "cancelled"]
@@ -28,6 +30,23 @@ class Wire(BaseModel):
     """Unknown keys, NaN and infinity are refused; what the service sends never changes."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Edits(AnyEdits):
+    """Edits from outside, which name no file: whoever sends them may not read this disk."""
+
+    @field_validator("environment")
+    @classmethod
+    def _no_file(cls, change: dict[str, Any] | None) -> dict[str, Any] | None:
+        name = (change or {}).get("map")
+        if isinstance(name, str) and name not in BUILT_IN:
+            raise PydanticCustomError(
+                "map_file",
+                "map {name} is not built in, and no file can be asked for here; "
+                "there are {known}, or a radiance [r, g, b]",
+                {"name": repr(name), "known": ", ".join(BUILT_IN)},
+            )
+        return change
 
 
 class Problem(Wire):

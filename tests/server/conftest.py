@@ -17,6 +17,7 @@ from fastapi import FastAPI
 
 from engine.errors import BackendError
 from engine.methods.base import Progress
+from engine.methods.warm import compile_kernels
 from engine.scene.builtin import cornell_box
 from server.app import create_app
 from server.main import configure, listen
@@ -33,6 +34,12 @@ def own_store(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("RELIGHT_STORE", str(folder))
         yield folder
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compiled() -> None:
+    """No test waits for a compiler."""
+    compile_kernels()
 
 
 @pytest.fixture(scope="session")

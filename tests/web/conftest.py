@@ -19,6 +19,7 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
 
+from engine.methods.warm import compile_kernels
 from engine.scene.builtin import cornell_box
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -36,7 +37,8 @@ SERVE = """
 import sys, json
 import server.main, server.app
 make = server.app.create_app
-server.main.create_app = lambda scenes: make(scenes, settings=json.loads(sys.argv[2]))
+settings = json.loads(sys.argv[2])
+server.main.create_app = lambda scenes, **rest: make(scenes, settings=settings, **rest)
 server.main.serve([sys.argv[1]], port=0)
 """
 
@@ -78,6 +80,12 @@ def address(scene_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Itera
     settings = {"gather_samples": 4096}
     with serve(scene_file, tmp_path_factory.mktemp("store"), settings) as address:
         yield address
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compiled() -> None:
+    """No test waits for a compiler."""
+    compile_kernels()
 
 
 @pytest.fixture(scope="session")
