@@ -37,9 +37,9 @@ def camera(size: int = 32, **fields: Any) -> dict[str, Any]:
 
 
 def white_room(albedo: float, lights: list[dict[str, Any]], size: int = 32) -> Scene:
-    """A closed cube of side 2 of one albedo, seen from inside."""
+    """A closed cube of side 2 of one albedo, seen from inside, a little off its axes."""
     return scene(
-        camera=camera(size),
+        camera=camera(size, position=[0.07, 0.04, 0.9], target=[-0.03, 0.01, 0]),
         lights=lights,
         materials={"wall": {"type": "diffuse", "diffuse": [albedo] * 3}},
         objects=[
