@@ -22,7 +22,7 @@ from engine.brdf.table import INDEX
 from engine.errors import SceneError
 from engine.methods.fixed_view.frame_buffer import Points, no_points
 from engine.methods.fixed_view.hierarchy import Clusters, build_order, describe_clusters
-from engine.methods.fixed_view.sides import exposed_sides
+from engine.methods.fixed_view.sides import exposed_sides, looks_out, triangle_areas
 from engine.numerics.parallel import for_ranges
 from engine.numerics.sampling import uniform
 from engine.numerics.vec import scale
@@ -60,23 +60,27 @@ def build_cloud(
     """Sample `count` = 4^k points on the sides that the view's particles touch."""
     sides = exposed_sides(scene, view, seed)
     items = np.flatnonzero(sides.ravel()).astype(np.int32)  # 2 * triangle + side
-    corners = scene.geometry.positions[scene.geometry.triangles].astype(np.float64)
-    edges = corners[:, 1:] - corners[:, :1]
-    area = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
-    centre = corners.mean(axis=1)
-    item_area = area[items // 2]
-    total = float(item_area.sum())
+    area = triangle_areas(scene)
+    centre = scene.geometry.positions[scene.geometry.triangles].mean(axis=1, dtype=np.float64)
+    total = float(area[items // 2].sum())
     if total <= 0:
         raise SceneError("no surface of the scene has an area", field="objects")
 
-    # Draw sides and places on them.
-    shuffled = items.copy()
-    picked = np.zeros(count, np.int32)
-    barycentric = np.zeros((count, 2), np.float32)
-    _split_and_sample(shuffled, centre, area, count, seed, picked, barycentric)
-    triangle = picked // 2
-    points = _describe(scene, triangle, (picked & 1).astype(np.bool_), barycentric)
-
+    # Draw sides and places on them until enough of the places look out on the scene.
+    for candidates in (count, 2 * count, 8 * count):
+        picked = np.zeros(candidates, np.int32)
+        barycentric = np.zeros((candidates, 2), np.float32)
+        args = (items.copy(), centre, area, candidates, seed, picked, barycentric)
+        _split_and_sample(*args)
+        points = _describe(scene, picked // 2, (picked & 1).astype(np.bool_), barycentric)
+        good = np.flatnonzero(looks_out(scene, points.position, points.geometric, sides, seed))
+        if len(good) >= count:
+            break
+    if len(good) == 0:
+        good = np.arange(candidates)
+    # They are in spatial order, so an even choice of them stays even.
+    points = points.take(good[np.linspace(0, len(good) - 1, count).astype(np.intp)])
+    total *= len(good) / candidates
     order = build_order(points.position, points.normal, scene.diagonal, position_weight)
     points = points.take(order)
     arrays = {

@@ -13,11 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.methods.fixed_view.hierarchy import Clusters
-from engine.methods.fixed_view.links import Links, find_links, room_for_links
+from engine.methods.fixed_view.links import (
+    Links,
+    closure,
+    find_links,
+    hemisphere_rays,
+    room_for_links,
+)
 from engine.methods.fixed_view.rows import TILE, PackedRows, make_scratch, pack, project
 from engine.scene.rays import RayTracer
 
 CHUNK_TILES = 64
+HEMISPHERE = 64  # rays that measure how closed a point's surroundings are
+SURE = 0.03  # standard error of such a measure, at most
 LONGEST = 8  # a tile's list is at most so many times the coefficients asked for
 
 
@@ -73,11 +81,22 @@ def gather_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     room = room_for_links(TILE, 1 << 16, 1 << 18)
     ids, values = np.zeros(1 << 19, np.int32), np.zeros(1 << 19, np.float32)
     starts = np.zeros(TILE + 1, np.int64)
+    origin = np.zeros((TILE * HEMISPHERE, 3), np.float32)
+    direction = np.ones((TILE * HEMISPHERE, 3), np.float32)
     scratch = make_scratch(len(job.leaf_position))
     for t, index in enumerate(tiles):
         room, links = _links_of(job, index, room)
         rays[t] = links
         blocked = job.rays.occluded(room.origin[:links], room.direction[:links], 1.0)
+        hemisphere_rays(
+            index, job.position, job.normal, job.geometric, job.rays.epsilon, job.seed, HEMISPHERE,
+            origin, direction,
+        )  # fmt: skip
+        closed = job.rays.occluded(origin, direction).reshape(TILE, HEMISPHERE).mean(axis=1)
+        closure(
+            room.first, room.link, room.cluster, room.weight, blocked, job.clusters.depth, closed,
+            SURE,
+        )  # fmt: skip
         while True:
             count = project(
                 room.first, room.link, room.cluster, room.weight, blocked, job.clusters.depth,

@@ -129,3 +129,12 @@ def describe_clusters(
 def level_start(level):
     """Row of the first cluster of a level."""
     return ((1 << (2 * level)) - 1) // 3
+
+
+@njit
+def level_of(c):
+    """Level of cluster row c: the l with (4^l - 1) / 3 ≤ c < (4^(l+1) - 1) / 3."""
+    level = 0
+    while (1 << (2 * (level + 1))) - 1 <= 3 * c:
+        level += 1
+    return level

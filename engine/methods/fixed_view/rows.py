@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.methods.fixed_view.hierarchy import level_start
+from engine.methods.fixed_view.hierarchy import level_of, level_start
 from engine.numerics.borrow import borrow
 
 TILE = 64
@@ -86,7 +86,7 @@ def project(first, link, cluster, weight, blocked, depth, scratch, ids, values, 
             if blocked[link[p]]:
                 continue
             c = cluster[p]
-            level = _level(c)
+            level = level_of(c)
             scratch.scaling[c] += weight[p] * (1 << (depth - level))
             while not scratch.touched[c]:
                 scratch.touched[c] = True
@@ -124,15 +124,6 @@ def project(first, link, cluster, weight, blocked, depth, scratch, ids, values, 
         _clear(scratch, tail)
     starts[first.shape[0] - 1] = count
     return count
-
-
-@njit
-def _level(c):
-    """Level of cluster row c: the l with (4^l - 1) / 3 ≤ c < (4^(l+1) - 1) / 3."""
-    level = 0
-    while (1 << (2 * (level + 1))) - 1 <= 3 * c:
-        level += 1
-    return level
 
 
 @njit

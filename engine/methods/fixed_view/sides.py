@@ -24,8 +24,12 @@ from engine.scene.scene import Scene
 
 PARTICLES = 262144
 BOUNCES = 6
-# A piece of mesh counts as seen from behind where more than this part of its hits is from behind.
-BEHIND = 0.02
+# A side is exposed where particles are at least this dense, against their mean over what they hit.
+DENSE = 0.02
+# Below so many expected hits, a triangle's own count says too little and its piece of mesh decides.
+ENOUGH = 20
+# Rays that ask whether a sample of an exposed side looks out on exposed sides itself.
+LOOKS = 16
 
 
 def exposed_sides(scene: Scene, points: Points, seed: int) -> NDArray[np.bool_]:
@@ -55,13 +59,55 @@ def exposed_sides(scene: Scene, points: Points, seed: int) -> NDArray[np.bool_]:
         np.add.at(hits, (found.triangle[alive], side[alive]), 1)
         position, normal = position[alive], normal[alive]
 
+    # Compare with the hits that a side of its area gets on average.
+    area = triangle_areas(scene)
+    mean = hits.sum() / max(float((area[:, None] * (hits > 0)).sum()), 1e-30)
     piece = smooth_pieces(scene)
     of_piece = np.zeros((piece.max() + 1, 2), np.int64)
     np.add.at(of_piece, piece, hits)
-    share = of_piece / np.maximum(of_piece.sum(axis=1, keepdims=True), 1)
-    verdict = share > BEHIND
+    expected, expected_of_piece = mean * area, mean * np.bincount(piece, area)
+    verdict = of_piece > DENSE * expected_of_piece[:, None]
     verdict[of_piece.sum(axis=1) == 0] = (True, False)
-    return (hits > 0) | verdict[piece]
+    dense = hits > DENSE * expected[:, None]
+    return np.where((expected > ENOUGH)[:, None], dense, (hits > 0) | verdict[piece])
+
+
+def looks_out(
+    scene: Scene,
+    position: NDArray[np.float32],
+    normal: NDArray[np.float32],
+    sides: NDArray[np.bool_],
+    seed: int,
+) -> NDArray[np.bool_]:
+    """(n,) bool: whether points see exposed sides or the sky, by LOOKS rays each.
+
+    What lies between a wall and its back, or beyond the room, belongs to a triangle that is exposed
+    elsewhere and still passes no light to the picture.
+    """
+    seen = np.zeros(len(position), np.bool_)
+    for look in range(LOOKS):
+        todo = np.flatnonzero(~seen)
+        n = len(todo)
+        origin, direction = np.zeros((n, 3), np.float32), np.zeros((n, 3), np.float32)
+        for_ranges(
+            _cosine_rays, n, position[todo], normal[todo], scene.rays.epsilon, seed + look, origin,
+            direction,
+        )  # fmt: skip
+        found = scene.rays.intersect(origin, direction)
+        side = np.zeros(n, np.int8)
+        for_ranges(
+            _arrive, n, scene.geometry, found.triangle, found.b1, found.b2, direction,
+            np.zeros((n, 3), np.float32), np.zeros((n, 3), np.float32), side,
+        )  # fmt: skip
+        seen[todo] = (found.triangle < 0) | sides[found.triangle, side]
+    return seen
+
+
+def triangle_areas(scene: Scene) -> NDArray[np.float64]:
+    """(t,) float64, m²."""
+    corners = scene.geometry.positions[scene.geometry.triangles].astype(np.float64)
+    edges = corners[:, 1:] - corners[:, :1]
+    return 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
 
 
 def smooth_pieces(scene: Scene) -> NDArray[np.int32]:
