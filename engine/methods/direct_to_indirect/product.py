@@ -18,6 +18,7 @@ from engine.methods.base import Frame, require_supported
 from engine.methods.direct_to_indirect.settings import Settings
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.direct import light_on_points
+from engine.methods.fixed_view.importance import trial_lights
 from engine.methods.fixed_view.rows import TILE, PackedRows
 from engine.methods.fixed_view.tiles import coarse_tiles, pixel_tiles, run_tiles, scatter
 from engine.methods.fixed_view.view import View
@@ -27,7 +28,7 @@ from engine.scene.edits import Edits, edited_lights
 
 NAME = "direct_to_indirect"
 ENVIRONMENT_SAMPLES = 64
-POWER_ITERATIONS = 12
+TRIALS, TAIL_BOUNCES = 16, 40
 MOST_DECAY = 0.99  # a room that keeps more than this of its light per bounce is not believed
 NEGLIGIBLE = 0.02  # of the indirect light: what the bounces may miss before the user is told
 
@@ -37,7 +38,7 @@ class Transfer:
 
     P = (albedo / π) G is one bounce within the gather cloud. It is applied b times at run time,
     which costs a few milliseconds, in place of the paper's matrix M of all bounces in colour. The
-    bounces after those are the last one times a geometric series in P's dominant eigenvalue.
+    bounces after those are guessed from the last one.
     """
 
     def __init__(
@@ -65,7 +66,7 @@ class Transfer:
             points.model, points.row, environment_table(view.scene.environment),
             ENVIRONMENT_SAMPLES, 11,
         )  # fmt: skip
-        self._decay = self._dominant_decay()
+        self._tail, self._fades = self._trial_bounces()
         self._glossy = _glossy_share(view)
 
     @property
@@ -128,7 +129,7 @@ class Transfer:
         """Sum of all bounces, and how wrong its tail may be as a part of it.
 
         The last bounce that is computed stands for those that follow: by then they are alike but
-        for a factor, so their sum is a geometric series.
+        for a factor, which trial lights have told.
         """
         total, b = g.copy(), g
         before = after = g.sum(axis=0, dtype=np.float64)
@@ -136,13 +137,14 @@ class Transfer:
             b = self._one_bounce(b)
             total += b
             before, after = after, b.sum(axis=0, dtype=np.float64)
+        energy = max(float(total.sum(dtype=np.float64)), 1e-30)
         if self._settings.bounces == 0:
-            return total, 0.0
-        series = self._decay / (1 - self._decay)
-        total += b * series.astype(np.float32)
-        seen = np.clip(after / np.maximum(before, 1e-30), 0, MOST_DECAY)
-        off = np.abs(after * (seen / (1 - seen) - series)).sum()
-        return total, float(off / max(float(total.sum(dtype=np.float64)), 1e-30))
+            return total, float((after * self._tail).sum()) / energy
+        total += b * self._tail.astype(np.float32)
+        # Light that fades faster or slower than the trial lights has another tail.
+        fades = after / np.maximum(before, 1e-30)
+        off = np.abs(after * self._tail * (fades / np.maximum(self._fades, 1e-30) - 1))
+        return total, float(off.sum()) / energy
 
     def _one_bounce(self, radiance: NDArray[np.float32]) -> NDArray[np.float32]:
         """P radiance, (n_g, 3) float32: what the cloud reflects of its own light."""
@@ -152,14 +154,26 @@ class Transfer:
         out *= self._reflected
         return out
 
-    def _dominant_decay(self) -> NDArray[np.float64]:
-        """(3,) float64: the part of the light that survives one bounce after many."""
-        b = self._reflected
-        before = after = np.ones(3)
-        for _ in range(POWER_ITERATIONS):
-            before, b = b.sum(axis=0, dtype=np.float64), self._one_bounce(b)
-            after = b.sum(axis=0, dtype=np.float64)
-        return np.clip(after / np.maximum(before, 1e-30), 0, MOST_DECAY)
+    def _trial_bounces(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(tail, fades), (3,) float64 each, of the light of trial lights.
+
+        tail is the sum of all bounces after the last that is computed, by that one; fades is what
+        that one keeps of the one before.
+        """
+        scene, cloud = self.view.scene, self.cloud
+        b = np.zeros_like(cloud.albedo)
+        for light in trial_lights(scene, cloud, self._settings.seed)[:TRIALS]:
+            direct = light_on_points(scene.rays, cloud.points, light)
+            b += direct / max(float(direct.sum(dtype=np.float64)), 1e-30)
+        sums = [b.sum(axis=0, dtype=np.float64)]
+        for _ in range(self._settings.bounces + TAIL_BOUNCES):
+            b = self._one_bounce(b)
+            sums.append(b.sum(axis=0, dtype=np.float64))
+        last = np.maximum(sums[self._settings.bounces], 1e-30)
+        decay = np.clip(sums[-1] / np.maximum(sums[-2], 1e-30), 0, MOST_DECAY)
+        rest = np.sum(sums[self._settings.bounces + 1 :], axis=0) + sums[-1] * decay / (1 - decay)
+        before = np.maximum(sums[max(0, self._settings.bounces - 1)], 1e-30)
+        return np.maximum(rest / last, 0), last / before
 
     def _compose(
         self, irradiance: NDArray[np.float32], image: NDArray[np.float32], scale: int
