@@ -33,6 +33,7 @@ from engine.store import Store
 SWEEPS: dict[str, dict[str, tuple[Any, ...]]] = {
     "direct_to_indirect": {
         "coefficients": (25, 50, 100, 200, 400),
+        "bounce_coefficients": (20, 40, 80, 160),
         "gather_samples": (4096, 16384, 65536, 262144),
         "bounces": (0, 1, 2, 3, 5),
     },
