@@ -20,6 +20,7 @@ from engine.numerics.parallel import for_ranges
 from engine.numerics.sampling import cosine_hemisphere, uniform
 from engine.numerics.vec import add, dot, scale, vec
 from engine.scene import surface
+from engine.scene.rays import Hits
 from engine.scene.scene import Scene
 
 PARTICLES = 262144
@@ -41,6 +42,13 @@ def exposed_sides(scene: Scene, points: Points, seed: int) -> NDArray[np.bool_]:
     chosen = start[np.linspace(0, len(start) - 1, PARTICLES).astype(np.intp)]
     position, normal = points.position[chosen], points.geometric[chosen]
 
+    # What the camera sees is exposed, however few particles come back to it.
+    above = (points.position + 4 * scene.rays.epsilon * points.geometric)[start]
+    seen = scene.rays.intersect(above, -points.geometric[start], 8 * scene.rays.epsilon)
+    sides = np.zeros_like(hits, np.bool_)
+    side = _sides_met(scene, seen, -points.geometric[start])[0]
+    sides[seen.triangle[seen.triangle >= 0], side[seen.triangle >= 0]] = True
+
     # Bounce: every hit is counted for its side and becomes the start of the next flight.
     for bounce in range(BOUNCES):
         n = len(position)
@@ -49,12 +57,7 @@ def exposed_sides(scene: Scene, points: Points, seed: int) -> NDArray[np.bool_]:
         args = (position, normal, scene.rays.epsilon, seed + bounce, origin, direction)
         for_ranges(_cosine_rays, n, *args)
         found = scene.rays.intersect(origin, direction)
-        side = np.zeros(n, np.int8)
-        position, normal = np.zeros((n, 3), np.float32), np.zeros((n, 3), np.float32)
-        for_ranges(
-            _arrive, n, scene.geometry, found.triangle, found.b1, found.b2, direction, position,
-            normal, side,
-        )  # fmt: skip
+        side, position, normal = _sides_met(scene, found, direction)
         alive = found.triangle >= 0
         np.add.at(hits, (found.triangle[alive], side[alive]), 1)
         position, normal = position[alive], normal[alive]
@@ -69,7 +72,7 @@ def exposed_sides(scene: Scene, points: Points, seed: int) -> NDArray[np.bool_]:
     verdict = of_piece > DENSE * expected_of_piece[:, None]
     verdict[of_piece.sum(axis=1) == 0] = (True, False)
     dense = hits > DENSE * expected[:, None]
-    return np.where((expected > ENOUGH)[:, None], dense, (hits > 0) | verdict[piece])
+    return sides | np.where((expected > ENOUGH)[:, None], dense, (hits > 0) | verdict[piece])
 
 
 def looks_out(
@@ -94,13 +97,23 @@ def looks_out(
             direction,
         )  # fmt: skip
         found = scene.rays.intersect(origin, direction)
-        side = np.zeros(n, np.int8)
-        for_ranges(
-            _arrive, n, scene.geometry, found.triangle, found.b1, found.b2, direction,
-            np.zeros((n, 3), np.float32), np.zeros((n, 3), np.float32), side,
-        )  # fmt: skip
+        side, _, _ = _sides_met(scene, found, direction)
         seen[todo] = (found.triangle < 0) | sides[found.triangle, side]
     return seen
+
+
+def _sides_met(
+    scene: Scene, hits: Hits, direction: NDArray[np.float32]
+) -> tuple[NDArray[np.int8], NDArray[np.float32], NDArray[np.float32]]:
+    """(side (n,) int8, position (n, 3), normal (n, 3)) of hits, on the side that was met."""
+    n = len(direction)
+    side = np.zeros(n, np.int8)
+    position, normal = np.zeros((n, 3), np.float32), np.zeros((n, 3), np.float32)
+    for_ranges(
+        _arrive, n, scene.geometry, hits.triangle, hits.b1, hits.b2, direction, position, normal,
+        side,
+    )  # fmt: skip
+    return side, position, normal
 
 
 def triangle_areas(scene: Scene) -> NDArray[np.float64]:

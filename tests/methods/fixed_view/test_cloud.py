@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from methods.scenes import camera, cornell, rectangle, scene
+from methods.scenes import POINT, camera, cornell, rectangle, scene, white_room
 from scipy import stats
 
 from engine.errors import SceneError
@@ -37,7 +37,7 @@ def triangle_of(scene: Scene, cloud: GatherCloud) -> np.ndarray:
 
 def test_samples_fall_by_area():
     """A chi-square test over the triangles; splitting the budget only makes it more even."""
-    box = cornell(32)
+    box = white_room(0.5, [POINT])
     cloud = cloud_of(box, 4096)
     area = area_of(box)
     expected = 4096 * area / area.sum()
@@ -46,6 +46,19 @@ def test_samples_fall_by_area():
     assert chi < stats.chi2.isf(1e-3, len(area) - 1)
     assert np.abs(counted - expected).max() < 3
     assert cloud.area == pytest.approx(area.sum() / 4096)
+
+
+def test_no_samples_under_the_blocks():
+    """The floor of the Cornell box goes on under its blocks, where light cannot reach."""
+    box = cornell(32)
+    cloud = cloud_of(box, 4096)
+    floor = cloud.points.position[cloud.points.position[:, 1] < 1e-6]
+    up = np.tile(np.array([[0, 1, 0]], np.float32), (len(floor), 1))
+    start = np.ascontiguousarray(floor + np.float32(1e-5) * up)
+    # Straight up from the open floor there is only the ceiling, at 0.55 m.
+    under = box.rays.occluded(start, up, 0.4)
+    assert len(floor) > 500
+    assert under.mean() < 0.01
 
 
 def test_samples_fall_evenly_within_a_triangle():
