@@ -1,1 +1,1 @@
-"""Where pixels and products are computed: `cpu`, by Numba and Embree."""
+"""Where pixels and products are computed: `cpu` by Numba and Embree, `gl` by OpenGL."""
