@@ -12,7 +12,7 @@ from engine.measure.document import finite, provenance
 from engine.measure.machine import this_machine
 from engine.measure.probes import held_out_edits
 from engine.measure.settings import settings_from
-from engine.measure.sweep import median_parts, time_frames
+from engine.measure.sweep import STEP, time_frames
 from engine.measure.timing import PhaseClock, stopwatch
 from engine.methods import METHODS, prepare
 from engine.methods.base import Progress, silent
@@ -60,7 +60,7 @@ def _bench_scene(
 
         precompute = stopwatch(make)
         clock.stop()
-        frames, timing = time_frames(product, edits, REPEATS)
+        _, timing, parts = time_frames(product, edits, REPEATS, STEP * scene.diagonal)
 
     # Brute force gets the same job, the first of the edits. Its error falls as 1/√samples, so a
     # few samples tell how long it would take to an error that can be looked at.
@@ -80,7 +80,7 @@ def _bench_scene(
         "frame_seconds": {
             "median": timing.median,
             "p95": timing.p95,
-            "parts": median_parts(frames),
+            "parts": parts,
         },
         "reference": {
             "samples": result.samples,

@@ -45,6 +45,16 @@ def held_out_edits(scene: Scene, count: int, seed: int) -> list[Edits]:
     return edits
 
 
+def nudged(edits: Edits, step: float) -> Edits:
+    """The same edits with every light that has a position moved by `step` metres along x."""
+    lights = [dict(light) for light in edits.lights or []]
+    for light in lights:
+        if light.get("position") is not None:
+            x, y, z = light["position"]
+            light["position"] = (x + step, y, z)
+    return edits.model_copy(update={"lights": lights})
+
+
 def _has_position(light: Light) -> bool:
     return "position" in type(light).model_fields
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import dataclasses
 import tempfile
+import time
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +20,9 @@ from engine.errors import NotFound
 from engine.measure.edges import scene_edges
 from engine.measure.metrics import all_metrics, resolution
 from engine.measure.points import Point, Sweep
-from engine.measure.probes import held_out_edits
+from engine.measure.probes import held_out_edits, nudged
 from engine.measure.settings import settings_from
-from engine.measure.timing import Timing, repeat, stopwatch
+from engine.measure.timing import Timing, stopwatch
 from engine.measure.truth import Truth, truth
 from engine.methods import METHODS, prepare
 from engine.methods.base import Frame, Product, Progress, silent
@@ -41,6 +41,7 @@ SWEEPS: dict[str, dict[str, tuple[Any, ...]]] = {
 """Per method: the settings to sweep and their values."""
 
 REPEATS = 9
+STEP = 1e-3  # of the scene's size
 REFERENCE_ERROR = 0.05  # the noise is taken out again, see `engine.measure.metrics.relative_l2`
 
 
@@ -118,7 +119,7 @@ def _point(
 
         seconds = stopwatch(make)
         assert product is not None
-        frames, timing = time_frames(product, edits, REPEATS)
+        frames, timing, parts = time_frames(product, edits, REPEATS, STEP * scene.diagonal)
         errors = [
             all_metrics(frame.image, truth.image, kept, truth.variance)
             for frame, truth in zip(frames, truths, strict=True)
@@ -130,7 +131,7 @@ def _point(
             error={name: float(np.mean([e[name] for e in errors])) for name in errors[0]},
             errors=errors,
             frame=timing,
-            parts=median_parts(frames),
+            parts=parts,
             bytes=product.bytes,
             precompute=seconds,
             warnings=sorted({w.message for frame in frames for w in frame.warnings}),
@@ -138,20 +139,23 @@ def _point(
 
 
 def time_frames(
-    product: Product, edits: Sequence[Edits], repeats: int
-) -> tuple[list[Frame], Timing]:
-    """The last frame of every edit, and the time of all calls; each edit is warmed up once."""
-    frames: list[Frame] = []
-    seconds: tuple[float, ...] = ()
-    for edit in edits:
-        made: list[Frame] = []
-        seconds += repeat(partial(_relight, product, edit, made), repeats).seconds
-        frames.append(made[-1])
-    return frames, Timing(seconds)
+    product: Product, edits: Sequence[Edits], repeats: int, step: float
+) -> tuple[list[Frame], Timing, dict[str, float]]:
+    """(frame of every edit, time of all repetitions, median seconds of their parts).
 
-
-def _relight(product: Product, edit: Edits, made: list[Frame]) -> None:
-    made[:] = [product.relight(edit)]
+    Every repetition moves the edit's lights on by `step` metres, as a hand does: the product has
+    not seen any of them, and can repeat nothing that it remembers.
+    """
+    frames = [product.relight(edit) for edit in edits]
+    timed: list[Frame] = []
+    seconds = []
+    for turn in range(1, repeats + 1):
+        for edit in edits:
+            moved = nudged(edit, turn * step)
+            start = time.perf_counter()
+            timed.append(product.relight(moved))
+            seconds.append(time.perf_counter() - start)
+    return frames, Timing(tuple(seconds)), median_parts(timed)
 
 
 def median_parts(frames: Sequence[Frame]) -> dict[str, float]:

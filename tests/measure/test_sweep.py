@@ -61,12 +61,19 @@ class Steps:
         return Frame(np.full((1, 1, 3), len(self.asked), np.float32), {"total": 0.001})
 
 
-def test_frames_are_warmed_up_and_timed_per_edit() -> None:
-    product, edits = Steps(), [Edits(lights=[]), Edits(lights=[{"id": "a"}])]
-    frames, timing = time_frames(product, edits, repeats=3)
-    assert product.asked == [edits[0]] * 4 + [edits[1]] * 4
+def test_no_timed_frame_can_be_remembered() -> None:
+    """Pictures of lights that did not move are kept, so every timed edit is a new one."""
+    place = {"id": "a", "type": "point", "position": (1.0, 2.0, 3.0)}
+    edits = [Edits(lights=[place]), Edits(lights=[{"id": "b", "enabled": False}, place])]
+    product = Steps()
+    frames, timing, parts = time_frames(product, edits, repeats=3, step=0.5)
+    assert product.asked[:2] == edits
+    assert [frame.image[0, 0, 0] for frame in frames] == [1, 2]
     assert len(timing.seconds) == 6
-    assert [frame.image[0, 0, 0] for frame in frames] == [4, 8]
+    assert parts == {"total": 0.001}
+    places = [[light.get("position") for light in e.lights or []] for e in product.asked]
+    assert places[2::2] == [[(1.5, 2.0, 3.0)], [(2.0, 2.0, 3.0)], [(2.5, 2.0, 3.0)]]
+    assert places[3::2] == [[None, *moved] for moved in places[2::2]]
 
 
 def test_references_are_kept_and_told_apart(

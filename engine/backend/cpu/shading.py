@@ -20,42 +20,47 @@ from engine.scene.rays import RayTracer
 evaluate = brdfs.evaluate
 illuminate = lights.illuminate
 
-HIDDEN, VISIBLE, DARK = 0, 1, 2  # DARK: the light does not reach the point even without shadows
+DARK, HIDDEN, VISIBLE = 0, 1, 2  # DARK: the light does not reach the point even without shadows
 CHUNK = 32768
 
 
 def light_points(
     rays: RayTracer,
+    at: NDArray[np.int32],
     position: NDArray[np.float32],
     normal: NDArray[np.float32],
     geometric: NDArray[np.float32],
     view: NDArray[np.float32],
     model: NDArray[np.int32],
     row: NDArray[np.float32],
+    phase: NDArray[np.uint8],
     kind: int,
     light: NDArray[np.float32],
-    u: tuple[float, float],
+    samples: NDArray[np.float64],
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
-    """Reflected radiance (n, 3) float32 without shadows, and visibility (n,) uint8.
+    """Reflected radiance (n, 3) float32 of one light, and visibility (n,) uint8.
 
-    `kind`, `light` are a row of a LightTable, u the sample of a light with extent.
+    position (n, 3) are the places to be lit; the rest of what they are says point at[j] of the
+    other arrays. `kind`, `light` are a row of a LightTable. samples (groups, k, 2) are places on
+    the light: a point is lit from the k of the group that its phase picks, and its visibility is
+    that of the last of them.
     """
-    n = len(model)
+    n, per_point = len(position), samples.shape[1]
     radiance = np.zeros((n, 3), np.float32)
     visible = np.full(n, DARK, np.uint8)
 
     def part(start: int, stop: int) -> None:
-        origin = np.zeros((stop - start, 3), np.float32)
-        direction = np.zeros((stop - start, 3), np.float32)
-        index = np.zeros(stop - start, np.int32)
+        room = (stop - start) * per_point
+        value, origin, direction = (np.zeros((room, 3), np.float32) for _ in range(3))
+        index = np.zeros(room, np.int32)
         count = _unshadowed(
-            start, stop, position, normal, geometric, view, model, row, kind, light, u[0], u[1],
-            rays.epsilon, radiance, origin, direction, index,
+            start, stop, at, position, normal, geometric, view, model, row, phase, kind, light,
+            samples, rays.epsilon, value, origin, direction, index,
         )  # fmt: skip
         blocked = rays.occluded(origin[:count], direction[:count], 1.0)
-        visible[index[:count]] = ~blocked
+        _add_visible(index[:count], value, blocked, radiance, visible)
 
-    for_ranges(part, n, grain=CHUNK)
+    for_ranges(part, n, grain=CHUNK // per_point)
     return radiance, visible
 
 
@@ -75,34 +80,69 @@ def shadow_ray(x, g, w, distance, epsilon):
 
 @njit(cache=True, nogil=True)
 def _unshadowed(
-    start, stop, position, normal, geometric, view, model, row, kind, light, u1, u2, epsilon,
-    radiance, origin, direction, index,
+    start, stop, at, position, normal, geometric, view, model, row, phase, kind, light, samples,
+    epsilon, value, origin, direction, index,
 ):  # fmt: skip
+    groups, per_point = samples.shape[0], samples.shape[1]
+    share = 1.0 / per_point
     count = 0
-    for i in range(start, stop):
+    for j in range(start, stop):
+        i = at[j]
         if model[i] < 0:
             continue
-        x, n, g = vec(position, i), vec(normal, i), vec(geometric, i)
-        wx, wy, wz, distance, r, gr, b = illuminate(kind, light, x, u1, u2)
-        w = (wx, wy, wz)
-        cosine = dot(n, w)
-        # A light under the flat triangle cannot reach its upper side, whatever the shading normal.
-        if cosine <= 0.0 or dot(g, w) <= 0.0 or r + gr + b <= 0.0:
-            continue
-        s, t = tangents(n)
-        f = evaluate(model[i], row[i], to_local(w, s, t, n), to_local(vec(view, i), s, t, n))
-        radiance[i, 0] = f[0] * r * cosine
-        radiance[i, 1] = f[1] * gr * cosine
-        radiance[i, 2] = f[2] * b * cosine
-        if f[0] + f[1] + f[2] <= 0.0:
-            continue
-        o, d = shadow_ray(x, g, w, distance, epsilon)
-        for k in range(3):
-            origin[count, k] = o[k]
-            direction[count, k] = d[k]
-        index[count] = i
-        count += 1
+        x, n, g = vec(position, j), vec(normal, i), vec(geometric, i)
+        group = phase[i] % groups
+        for k in range(per_point):
+            u1, u2 = samples[group, k, 0], samples[group, k, 1]
+            wx, wy, wz, distance, r, gr, b = illuminate(kind, light, x, u1, u2)
+            w = (wx, wy, wz)
+            cosine = dot(n, w)
+            # A light under the flat triangle cannot reach its upper side, whatever the shading
+            # normal.
+            if cosine <= 0.0 or dot(g, w) <= 0.0 or r + gr + b <= 0.0:
+                continue
+            s, t = tangents(n)
+            f = evaluate(model[i], row[i], to_local(w, s, t, n), to_local(vec(view, i), s, t, n))
+            if f[0] + f[1] + f[2] <= 0.0:
+                continue
+            value[count, 0] = f[0] * r * cosine * share
+            value[count, 1] = f[1] * gr * cosine * share
+            value[count, 2] = f[2] * b * cosine * share
+            o, d = shadow_ray(x, g, w, distance, epsilon)
+            for c in range(3):
+                origin[count, c] = o[c]
+                direction[count, c] = d[c]
+            index[count] = j
+            count += 1
     return count
+
+
+@njit(cache=True, nogil=True)
+def _add_visible(index, value, blocked, radiance, visible):
+    for q in range(index.shape[0]):
+        j = index[q]
+        visible[j] = HIDDEN if blocked[q] else VISIBLE
+        if not blocked[q]:
+            for c in range(3):
+                radiance[j, c] += value[q, c]
+
+
+def average(
+    pixel: NDArray[np.int32], samples: NDArray[np.float32], image: NDArray[np.float32]
+) -> None:
+    """Give each pixel (m,) of the image (n, 3) the mean of its k samples (m * k, 3)."""
+    for_ranges(_average, len(pixel), pixel, samples, image, grain=1024)
+
+
+@njit(cache=True, nogil=True)
+def _average(start, stop, pixel, samples, image):
+    k = samples.shape[0] // pixel.shape[0]
+    for j in range(start, stop):
+        for c in range(3):
+            total = 0.0
+            for s in range(j * k, (j + 1) * k):
+                total += samples[s, c]
+            image[pixel[j], c] = total / k
 
 
 def light_edges(

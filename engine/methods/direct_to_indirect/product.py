@@ -19,8 +19,8 @@ from engine.methods.direct_to_indirect.settings import Settings
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.direct import light_on_points
 from engine.methods.fixed_view.importance import trial_lights
-from engine.methods.fixed_view.rows import TILE, PackedRows
-from engine.methods.fixed_view.tiles import coarse_tiles, pixel_tiles, run_tiles, scatter
+from engine.methods.fixed_view.rows import PackedRows
+from engine.methods.fixed_view.tiles import coarse_tiles, pixel_tiles, run_tiles
 from engine.methods.fixed_view.view import View
 from engine.numerics import haar
 from engine.numerics.parallel import for_ranges
@@ -68,6 +68,11 @@ class Transfer:
         )  # fmt: skip
         self._tail, self._fades = self._trial_bounces()
         self._glossy = _glossy_share(view)
+        # Indirect light meets whole pixels where they have no sub-samples.
+        whole, _ = view.reflectance
+        picture = whole.reshape(camera.height, camera.width, 3)
+        self._reflectance = {1: whole.copy(), 2: picture[::2, ::2].reshape(-1, 3)}
+        self._reflectance[1][view.buffer.edge] = 0
 
     @property
     def method(self) -> str:
@@ -101,16 +106,14 @@ class Transfer:
             )
             g += self._standing
 
-        # Bounces within the cloud: (I + P + ... + P^b) g.
+        # Bounces within the cloud: (I + P + ... + P^b) g, from here on in wavelet space.
         with clock("bounces"):
-            total, missing = self._bounce(g)
+            total, missing = self._bounce(haar.forward(g))
 
         # Final gather, and direct light on view samples.
         with clock("final_gather"):
-            values = multiply(*self.final, haar.forward(total), TILE if scale == 1 else TILE // 4)
-            irradiance = np.zeros((len(view.points(scale)), 3), np.float32)
             tiles = self._tiles[scale]
-            for_ranges(scatter, len(tiles), tiles, values, irradiance, grain=64)
+            irradiance = multiply(*self.final, total, tiles, len(view.points(scale)))
         with clock("view_direct"):
             image = view.direct(lights, scale)
         with clock("compose"):
@@ -126,18 +129,18 @@ class Transfer:
         return frame.image - self.view.direct(lights, 1).reshape(frame.image.shape)
 
     def _bounce(self, g: NDArray[np.float32]) -> tuple[NDArray[np.float32], float]:
-        """Sum of all bounces, and how wrong its tail may be as a part of it.
+        """Sum of all bounces in wavelets (n_g, 3), and how wrong its tail may be as a part of it.
 
         The last bounce that is computed stands for those that follow: by then they are alike but
         for a factor, which trial lights have told.
         """
         total, b = g.copy(), g
-        before = after = g.sum(axis=0, dtype=np.float64)
+        before = after = _power(g)
         for _ in range(self._settings.bounces):
             b = self._one_bounce(b)
             total += b
-            before, after = after, b.sum(axis=0, dtype=np.float64)
-        energy = max(float(total.sum(dtype=np.float64)), 1e-30)
+            before, after = after, _power(b)
+        energy = max(float(_power(total).sum()), 1e-30)
         if self._settings.bounces == 0:
             return total, float((after * self._tail).sum()) / energy
         total += b * self._tail.astype(np.float32)
@@ -146,13 +149,11 @@ class Transfer:
         off = np.abs(after * self._tail * (fades / np.maximum(self._fades, 1e-30) - 1))
         return total, float(off.sum()) / energy
 
-    def _one_bounce(self, radiance: NDArray[np.float32]) -> NDArray[np.float32]:
-        """P radiance, (n_g, 3) float32: what the cloud reflects of its own light."""
-        values = multiply(*self.bounce, haar.forward(radiance))
-        out = np.zeros_like(radiance)
-        for_ranges(scatter, len(self._runs), self._runs, values, out, grain=64)
-        out *= self._reflected
-        return out
+    def _one_bounce(self, light: NDArray[np.float32]) -> NDArray[np.float32]:
+        """P light, both (n_g, 3) float32 in wavelets: what the cloud reflects of its own light."""
+        radiance = multiply(*self.bounce, light, self._runs, len(light))
+        radiance *= self._reflected
+        return haar.forward(radiance)
 
     def _trial_bounces(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(tail, fades), (3,) float64 each, of the light of trial lights.
@@ -161,14 +162,15 @@ class Transfer:
         that one keeps of the one before.
         """
         scene, cloud = self.view.scene, self.cloud
-        b = np.zeros_like(cloud.albedo)
+        g = np.zeros_like(cloud.albedo)
         for light in trial_lights(scene, cloud, self._settings.seed)[:TRIALS]:
             direct = light_on_points(scene.rays, cloud.points, light)
-            b += direct / max(float(direct.sum(dtype=np.float64)), 1e-30)
-        sums = [b.sum(axis=0, dtype=np.float64)]
+            g += direct / max(float(direct.sum(dtype=np.float64)), 1e-30)
+        b = haar.forward(g)
+        sums = [_power(b)]
         for _ in range(self._settings.bounces + TAIL_BOUNCES):
             b = self._one_bounce(b)
-            sums.append(b.sum(axis=0, dtype=np.float64))
+            sums.append(_power(b))
         last = np.maximum(sums[self._settings.bounces], 1e-30)
         decay = np.clip(sums[-1] / np.maximum(sums[-2], 1e-30), 0, MOST_DECAY)
         rest = np.sum(sums[self._settings.bounces + 1 :], axis=0) + sums[-1] * decay / (1 - decay)
@@ -179,20 +181,12 @@ class Transfer:
         self, irradiance: NDArray[np.float32], image: NDArray[np.float32], scale: int
     ) -> None:
         """Add the indirect light to the direct, in place."""
-        view = self.view
-        centre, sub = view.reflectance
-        if scale == 2:
-            height, width = view.scene.camera.height, view.scene.camera.width
-            centre = centre.reshape(height, width, 3)[::2, ::2].reshape(-1, 3)
-            for_ranges(_add_indirect, len(image), irradiance, np.ascontiguousarray(centre), image)
-            return
-        buffer = view.buffer
-        plain = centre.copy()
-        plain[buffer.edge] = 0
-        for_ranges(_add_indirect, len(image), irradiance, plain, image)
-        for_ranges(
-            _add_at_edges, len(buffer.edge), buffer.edge, buffer.donor, irradiance, sub, image
-        )
+        buffer = self.view.buffer
+        for_ranges(_add_indirect, len(image), irradiance, self._reflectance[scale], image)
+        if scale == 1:
+            _, sub = self.view.reflectance
+            args = (buffer.edge, buffer.donor, irradiance, sub, image)
+            for_ranges(_add_at_edges, len(buffer.edge), *args)
 
     def _warnings(self, missing: float) -> tuple[Diagnosis, ...]:
         found = []
@@ -215,6 +209,11 @@ class Transfer:
                 )
             )
         return tuple(found)
+
+
+def _power(light: NDArray[np.float32]) -> NDArray[np.float64]:
+    """(3,): the sum of a light on the cloud, but for a factor, from its wavelets (n_g, 3)."""
+    return light[0].astype(np.float64)
 
 
 def _glossy_share(view: View) -> float:

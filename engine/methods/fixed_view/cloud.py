@@ -109,6 +109,7 @@ def cloud_from(arrays: Mapping[str, NDArray[Any]], area: float) -> GatherCloud:
         row=row,
         object=arrays["object"],
         material=arrays["material"],
+        phase=(np.arange(n) % 16).astype(np.uint8),
     )
     clusters = describe_clusters(points.position, points.normal, area)
     return GatherCloud(points, arrays["albedo"], arrays["emission"], area, clusters)

@@ -12,75 +12,88 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.backend.cpu.shading import VISIBLE, light_edges, light_points, on_tangent_planes
+from engine.backend.cpu.penumbra import smooth_penumbrae
+from engine.backend.cpu.shading import average, light_edges, light_points, on_tangent_planes
 from engine.light.base import Light
-from engine.light.table import LightTable, light_table
+from engine.light.table import light_table
 from engine.methods.fixed_view.frame_buffer import FINE, FrameBuffer, Points
 from engine.scene.rays import RayTracer
 
-# A light with extent is lit from a 4 x 4 grid of its points, the same for every pixel: shadows are
-# sums of 16 sharp ones, which band a little but never flicker.
-AREA_GRID = 4
+# A light with extent shines from a 4 x 4 grid of its points. No point of a surface asks all of
+# them: neighbours ask different ones, and in a picture they are averaged afterwards.
+GRID = 4
+PER_PIXEL = 4
 KEPT_PICTURES = 24
 
 
-def light_samples(light: Light) -> list[tuple[float, float]]:
-    """The sample points (u1, u2) of a light: one, or a grid where it has extent."""
+def light_samples(light: Light, per_point: int) -> NDArray[np.float64]:
+    """(groups, k, 2) sample points of a light: one, or a grid in groups of `per_point`.
+
+    Every four in a row lie in different quarters of the light.
+    """
     if not light.has_extent:
-        return [(0.5, 0.5)]
-    centres = (np.arange(AREA_GRID) + 0.5) / AREA_GRID
-    return [(float(a), float(b)) for b in centres for a in centres]
+        return np.full((1, 1, 2), 0.5)
+    within = [(0, 0), (1, 1), (1, 0), (0, 1)]
+    quarters = [(0, 0), (2, 2), (2, 0), (0, 2)]
+    cells = np.array([(a + c, b + d) for a, b in within for c, d in quarters])
+    return ((cells + 0.5) / GRID).reshape(-1, per_point, 2)
 
 
 def light_on_points(rays: RayTracer, points: Points, light: Light) -> NDArray[np.float32]:
-    """Reflected radiance (n, 3) float32 with hard-edged visibility, averaged over samples."""
-    table = light_table([light])
-    out = np.zeros((len(points), 3), np.float32)
-    samples = light_samples(light) if len(table.kind) else []
-    for u in samples:
-        radiance, visible = _light(rays, points, table, u)
-        radiance[visible != VISIBLE] = 0
-        out += radiance
-    return out / np.float32(max(1, len(samples)))
+    """Reflected radiance (n, 3) float32 of one light, from one of its points for each of ours."""
+    return _light(rays, points, light, 1)[0]
 
 
-def light_on_pixels(rays: RayTracer, buffer: FrameBuffer, light: Light) -> NDArray[np.float32]:
+def light_on_pixels(
+    rays: RayTracer, points: Points, alike: NDArray[np.uint8], width: int, light: Light
+) -> NDArray[np.float32]:
+    """Reflected radiance (n, 3) float32 of one light on a picture so wide, not antialiased.
+
+    alike (n,) is from `alike_neighbours`.
+    """
+    radiance, _ = _light(rays, points, light, PER_PIXEL)
+    return smooth_penumbrae(radiance, points.row, alike, width) if light.has_extent else radiance
+
+
+def light_on_buffer(rays: RayTracer, buffer: FrameBuffer, light: Light) -> NDArray[np.float32]:
     """Reflected radiance (n, 3) float32 per pixel, antialiased as if four times supersampled."""
-    table = light_table([light])
-    out = np.zeros((len(buffer.centre), 3), np.float32)
-    if not len(table.kind):
-        return out
-    centre = buffer.centre
-    skip = np.zeros(len(centre), np.bool_)
-    skip[buffer.edge] = True
-    samples = light_samples(light)
-    for u in samples:
-        radiance, visible = _light(rays, centre, table, u)
-        radiance[visible != VISIBLE] = 0
-
+    centre, width = buffer.centre, buffer.camera.width
+    if light.has_extent:
+        radiance = light_on_pixels(rays, centre, buffer.alike, width, light)
+    else:
+        radiance, visible = _light(rays, centre, light, PER_PIXEL)
         # Where light ends within a pixel, light its tangent plane at a finer grid of places.
-        pixel = light_edges(visible, skip, buffer.camera.width)
-        fine = centre.take(np.repeat(pixel, len(FINE)))
-        fine.position[:] = on_tangent_planes(
-            pixel, buffer.camera.position, centre.view, centre.position, centre.geometric,
-            buffer.camera.width, FINE,
+        skip = np.zeros(len(centre), np.bool_)
+        skip[buffer.edge] = True
+        pixel = light_edges(visible, skip, width)
+        places = on_tangent_planes(
+            pixel, buffer.camera.position, centre.view, centre.position, centre.geometric, width,
+            FINE,
         )  # fmt: skip
-        each, seen = _light(rays, fine, table, u)
-        each[seen != VISIBLE] = 0
-        radiance[pixel] = each.reshape(-1, len(FINE), 3).mean(axis=1)
-        out += radiance
-    out /= np.float32(len(samples))
-    sub = light_on_points(rays, buffer.sub, light)
-    out[buffer.edge] = sub.reshape(-1, 4, 3).mean(axis=1)
-    return out
+        fine, _ = _light(rays, centre, light, 1, np.repeat(pixel, len(FINE)), places)
+        average(pixel, fine, radiance)
+    sub, _ = _light(rays, buffer.sub, light, PER_PIXEL)
+    average(buffer.edge, sub, radiance)
+    return radiance
 
 
 def _light(
-    rays: RayTracer, points: Points, table: LightTable, u: tuple[float, float]
+    rays: RayTracer,
+    points: Points,
+    light: Light,
+    per_point: int,
+    at: NDArray[np.int32] | None = None,
+    position: NDArray[np.float32] | None = None,
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    """`light_points` at all points, or at other positions on the surface of some of them."""
+    if at is None or position is None:
+        at, position = np.arange(len(points), dtype=np.int32), points.position
+    table = light_table([light])
+    if not len(table.kind):
+        return np.zeros((len(at), 3), np.float32), np.zeros(len(at), np.uint8)
     return light_points(
-        rays, points.position, points.normal, points.geometric, points.view, points.model,
-        points.row, table.kind[0], table.row[0], u,
+        rays, at, position, points.normal, points.geometric, points.view, points.model, points.row,
+        points.phase, table.kind[0], table.row[0], light_samples(light, per_point),
     )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from engine.backend.cpu.penumbra import alike_neighbours
 from engine.brdf.base import ROW
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, sub, vec
@@ -45,6 +46,8 @@ class Points:
     row        (n, 16) float32 BRDF parameters, textures applied
     object     (n,) int32      -1 where nothing is hit
     material   (n,) int32      -1 where nothing is hit
+    phase      (n,) uint8      0 to 15, other than the neighbours': from which places on it a light
+                               with extent shines here
     """
 
     position: NDArray[np.float32]
@@ -55,6 +58,7 @@ class Points:
     row: NDArray[np.float32]
     object: NDArray[np.int32]
     material: NDArray[np.int32]
+    phase: NDArray[np.uint8]
 
     def __len__(self) -> int:
         return len(self.model)
@@ -75,6 +79,7 @@ def no_points(n: int) -> Points:
         row=np.zeros((n, ROW), np.float32),
         object=np.full(n, -1, np.int32),
         material=np.full(n, -1, np.int32),
+        phase=np.zeros(n, np.uint8),
     )
 
 
@@ -89,6 +94,7 @@ class FrameBuffer:
     donor    (4m,) int32 the pixel whose indirect light each sub-sample takes: of the 3 x 3 around
              it the most alike in position and normal (§3.6), so that nothing leaks over edges
     spread   float       width of a pixel at unit distance
+    alike    (n,) uint8  which neighbours lie on one smooth surface, from `alike_neighbours`
     """
 
     camera: Camera
@@ -97,6 +103,7 @@ class FrameBuffer:
     sub: Points
     donor: NDArray[np.int32]
     spread: float
+    alike: NDArray[np.uint8]
 
 
 def build(scene: Scene) -> FrameBuffer:
@@ -107,6 +114,7 @@ def build(scene: Scene) -> FrameBuffer:
     y = np.repeat(np.arange(camera.height) + 0.5, camera.width)
     spread = 2 * np.tan(np.radians(camera.fov_y_degrees) / 2) / camera.height
     centre = look_at(scene, camera.directions(x, y))
+    centre.phase[:] = pixel_phase(camera.width, camera.height)
 
     # Compare the sub-samples of every pixel with its centre, one of the four at a time.
     edge = np.zeros(n, np.bool_)
@@ -122,6 +130,7 @@ def build(scene: Scene) -> FrameBuffer:
     sx = (x[pixel, None] + SUBSAMPLES[:, 0]).ravel()
     sy = (y[pixel, None] + SUBSAMPLES[:, 1]).ravel()
     sub = look_at(scene, camera.directions(sx, sy))
+    sub.phase[:] = np.tile(np.arange(4, dtype=np.uint8), len(pixel))
     donor = np.repeat(pixel, 4)
     for_ranges(
         _find_donors,
@@ -137,7 +146,14 @@ def build(scene: Scene) -> FrameBuffer:
         scene.diagonal,
         donor,
     )
-    return FrameBuffer(camera, centre, pixel, sub, donor, float(spread))
+    alike = alike_neighbours(centre.position, centre.normal, centre.object, camera.width)
+    return FrameBuffer(camera, centre, pixel, sub, donor, float(spread), alike)
+
+
+def pixel_phase(width: int, height: int) -> NDArray[np.uint8]:
+    """(height x width,) uint8: the phases of pixels, 0 to 3 in every block of 2 x 2."""
+    y, x = np.divmod(np.arange(width * height), width)
+    return (x % 2 + 2 * (y % 2)).astype(np.uint8)
 
 
 def look_at(scene: Scene, directions: NDArray[np.float32]) -> Points:

@@ -1,9 +1,8 @@
-"""Tiles of 8 x 8 pixels, and the way back to rows of pixels."""
+"""Tiles of 8 x 8 pixels: which pixels share a list of wavelets."""
 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from engine.methods.fixed_view.rows import TILE
@@ -38,14 +37,3 @@ def run_tiles(n: int) -> NDArray[np.int32]:
     index = np.full(-(-n // TILE) * TILE, -1, np.int32)
     index[:n] = np.arange(n)
     return index.reshape(-1, TILE)
-
-
-@njit(cache=True, nogil=True)
-def scatter(start, stop, index, values, out):
-    """out[index[t, p]] = values[t, :, p] for tiles start..stop; values (tiles, 3, rows)."""
-    for t in range(start, stop):
-        for p in range(values.shape[2]):
-            i = index[t, p]
-            if i >= 0:
-                for c in range(3):
-                    out[i, c] = values[t, c, p]

@@ -9,7 +9,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.backend.cpu.environment import environment_on_points
-from engine.backend.cpu.shading import light_edges, neighbour_ray
+from engine.backend.cpu.penumbra import alike_neighbours
+from engine.backend.cpu.shading import average, light_edges, neighbour_ray
 from engine.brdf import albedo
 from engine.light import environment as environments
 from engine.light import table as lights
@@ -20,10 +21,10 @@ from engine.methods.fixed_view import frame_buffer
 from engine.methods.fixed_view.direct import (
     Lamp,
     LightPictures,
+    light_on_buffer,
     light_on_pixels,
-    light_on_points,
 )
-from engine.methods.fixed_view.frame_buffer import FINE, FrameBuffer, Points
+from engine.methods.fixed_view.frame_buffer import FINE, FrameBuffer, Points, pixel_phase
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, sub, vec
 from engine.scene.scene import Scene
@@ -44,6 +45,11 @@ class View:
         width, height = scene.camera.width, scene.camera.height
         grid = np.arange(width * height).reshape(height, width)
         self._coarse = self.buffer.centre.take(np.ascontiguousarray(grid[::2, ::2]).ravel())
+        height, width = self.shape(2)
+        self._coarse.phase[:] = pixel_phase(width, height)
+        self._coarse_alike = alike_neighbours(
+            self._coarse.position, self._coarse.normal, self._coarse.object, width
+        )
 
     def shape(self, scale: int) -> tuple[int, int]:
         """(height, width) of a picture of every scale-th pixel."""
@@ -62,11 +68,12 @@ class View:
         rays, points = self.scene.rays, self.points(scale)
         if scale == 1:
             out = self.pictures.total(
-                1, on, lambda light: light_on_pixels(rays, self.buffer, light), len(points)
+                1, on, lambda light: light_on_buffer(rays, self.buffer, light), len(points)
             )
         else:
+            args = (rays, points, self._coarse_alike, self.shape(scale)[1])
             out = self.pictures.total(
-                2, on, lambda light: light_on_points(rays, points, light), len(points)
+                2, on, lambda light: light_on_pixels(*args, light), len(points)
             )
         out += self.standing if scale == 1 else self._coarse_standing
         for light in on:
@@ -78,8 +85,7 @@ class View:
     def standing(self) -> NDArray[np.float32]:
         """What no light edit changes, (n, 3) float32: environment, emission, background."""
         out = self._standing_of(self.buffer.centre)
-        sub = self._standing_of(self.buffer.sub)
-        out[self.buffer.edge] = sub.reshape(-1, 4, 3).mean(axis=1)
+        average(self.buffer.edge, self._standing_of(self.buffer.sub), out)
         return out
 
     @cached_property

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from engine.backend.cpu.product import TILE, multiply
+from engine.backend.cpu.product import COARSE, TILE, multiply
 
 N = 256
 
@@ -22,54 +22,82 @@ def random_rows(tiles: int, seed: int = 1, longest: int = 60):
     return length, ids, scale, steps
 
 
+def shuffled(tiles: int, rows: int = TILE) -> np.ndarray:
+    """(tiles, rows) int32: a place for every row of every tile, in no order."""
+    order = np.random.default_rng(4).permutation(tiles * rows)
+    return order.reshape(tiles, rows).astype(np.int32)
+
+
+def random_light(seed: int = 3) -> np.ndarray:
+    return np.random.default_rng(seed).normal(size=(N, 3)).astype(np.float32)
+
+
 def obvious(length, ids, scale, steps, light) -> np.ndarray:
-    """(tiles, 3, 64) float64: a dense matrix times the light."""
+    """(tiles, 64, 3) float64: a dense matrix times the light."""
     dense = np.zeros((len(length), TILE, N))
     tile = np.repeat(np.arange(len(length)), length)
     dense[tile, :, ids] = scale[:, None].astype(float) * steps
-    return (dense @ light.astype(float)).transpose(0, 2, 1)
+    return dense @ light.astype(float)
 
 
 @pytest.mark.parametrize("tiles", [1, 3, 40, 500])
-def test_equals_the_dense_product(tiles: int):
-    rows = random_rows(tiles)
-    light = np.random.default_rng(2).normal(size=(N, 3)).astype(np.float32)
-    expected = obvious(*rows, light)
-    found = multiply(*rows, light)
+@pytest.mark.parametrize("rows", [TILE, COARSE])
+def test_equals_the_dense_product(tiles: int, rows: int):
+    matrix, places = random_rows(tiles), shuffled(tiles, rows)
+    light = random_light()
+    expected = obvious(*matrix, light)[:, :rows].reshape(-1, 3)
+    found = multiply(*matrix, light, places, places.size)
     assert found.dtype == np.float32
-    np.testing.assert_allclose(found, expected, atol=1e-5 * np.abs(expected).max())
+    np.testing.assert_allclose(found[places.ravel()], expected, atol=1e-5 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("rows", [1, 16, 63])
-def test_the_first_rows_equal_those_of_the_whole(rows: int):
-    matrix = random_rows(50)
-    light = np.random.default_rng(3).normal(size=(N, 3)).astype(np.float32)
-    whole, some = multiply(*matrix, light), multiply(*matrix, light, rows)
-    assert some.shape == (50, 3, rows)
-    np.testing.assert_allclose(some, whole[:, :, :rows], atol=1e-5 * np.abs(whole).max())
+@pytest.mark.parametrize("length", range(10))
+def test_lists_of_every_length(length: int):
+    """Wavelets are taken four at a time; what is left over counts once."""
+    rng = np.random.default_rng(length)
+    ids = rng.permutation(N)[:length].astype(np.int32)
+    matrix = (
+        np.array([length], np.int32), ids, np.ones(length, np.float32),
+        rng.integers(-127, 128, (length, TILE)).astype(np.int8),
+    )  # fmt: skip
+    light = random_light()
+    found = multiply(*matrix, light, shuffled(1), TILE)
+    expected = obvious(*matrix, light)[0]
+    np.testing.assert_allclose(found[shuffled(1)[0]], expected, atol=1e-3)
+
+
+def test_a_row_without_a_place_is_left_out():
+    matrix, places, light = random_rows(5), shuffled(5), random_light()
+    whole = multiply(*matrix, light, places, places.size)
+    some = places.copy()
+    some[2, 10:] = -1
+    found = multiply(*matrix, light, some, places.size)
+    assert not found[places[2, 10:]].any()
+    kept = np.setdiff1d(places.ravel(), places[2, 10:])
+    np.testing.assert_array_equal(found[kept], whole[kept])
 
 
 def test_same_bytes_whatever_the_threads(monkeypatch: pytest.MonkeyPatch):
-    matrix = random_rows(200)
-    light = np.random.default_rng(3).normal(size=(N, 3)).astype(np.float32)
+    matrix, places = random_rows(200), shuffled(200)
     made = []
     for threads in ("1", "2", "3"):
         monkeypatch.setenv("RELIGHT_THREADS", threads)
-        made.append(multiply(*matrix, light).tobytes())
+        made.append(multiply(*matrix, random_light(), places, places.size).tobytes())
     assert made[0] == made[1] == made[2]
 
 
 def test_takes_arrays_of_any_layout():
     """Stored arrays are mapped and read-only; a light may be a slice."""
-    matrix = random_rows(20)
+    matrix, places = random_rows(20), shuffled(20)
     light = np.random.default_rng(3).normal(size=(N, 6)).astype(np.float32)[:, ::2]
-    expected = multiply(*matrix, np.ascontiguousarray(light))
+    expected = multiply(*matrix, np.ascontiguousarray(light), places, places.size)
     for array in matrix:
         array.flags.writeable = False
-    np.testing.assert_array_equal(multiply(*matrix, light), expected)
+    np.testing.assert_array_equal(multiply(*matrix, light, places, places.size), expected)
 
 
 def test_no_light_and_no_rows_are_black():
-    assert not multiply(*random_rows(10), np.zeros((N, 3), np.float32)).any()
+    places = shuffled(10)
+    assert not multiply(*random_rows(10), np.zeros((N, 3), np.float32), places, 640).any()
     empty = random_rows(10, longest=1)
-    assert not multiply(*empty, np.ones((N, 3), np.float32)).any()
+    assert not multiply(*empty, np.ones((N, 3), np.float32), places, 640).any()

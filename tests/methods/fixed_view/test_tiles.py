@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from engine.methods.fixed_view.tiles import coarse_tiles, pixel_tiles, run_tiles, scatter
+from engine.methods.fixed_view.tiles import coarse_tiles, pixel_tiles, run_tiles
 
 SIZES = [(1, 1), (8, 8), (16, 8), (7, 9), (33, 17), (1, 40), (63, 2)]
 
@@ -34,13 +34,3 @@ def test_runs(n: int):
     runs = run_tiles(n)
     np.testing.assert_array_equal(runs.ravel()[:n], np.arange(n))
     assert (runs.ravel()[n:] == -1).all()
-
-
-def test_scatter_is_the_way_back():
-    width, height = 13, 11
-    tiles = pixel_tiles(width, height)
-    picture = np.random.default_rng(1).random((width * height, 3)).astype(np.float32)
-    values = np.where(tiles[:, None] >= 0, picture.T[None][0][:, tiles].transpose(1, 0, 2), 7)
-    out = np.zeros_like(picture)
-    scatter(0, len(tiles), tiles, np.ascontiguousarray(values, np.float32), out)
-    np.testing.assert_array_equal(out, picture)

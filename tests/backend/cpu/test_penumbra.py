@@ -1,0 +1,141 @@
+"""A soft shadow from a quarter of the rays in each pixel is that from all of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from engine.backend.cpu.penumbra import DOWN, RIGHT, alike_neighbours, smooth_penumbrae
+from engine.light.area import AreaLight
+from engine.methods.fixed_view import direct
+from engine.methods.fixed_view.direct import light_on_buffer, light_on_points, light_samples
+from engine.methods.fixed_view.view import View
+from engine.reference import render_direct
+from engine.scene.build import build
+from engine.scene.edits import Edits, apply
+from engine.scene.open import describe
+
+LAMP = AreaLight(
+    id="lamp", position=(0.4, 2, 0), target=(0, 0, 0), width=0.8, height=0.5, intensity=(9, 6, 3)
+)
+
+
+def thing(name: str, size: Any, place: Any) -> dict[str, Any]:
+    return {
+        "name": name,
+        "mesh": {"shape": "box", "size": size},
+        "material": "grey",
+        "transform": {"translate": place},
+    }
+
+
+def view(tmp_path: Any, **material: Any) -> View:
+    """A slab in the air over a floor, seen from above at a slant."""
+    document = {
+        "camera": {"position": (0, 3, 2.5), "target": (0, 0, 0), "width": 96, "height": 96},
+        "materials": {"grey": {"type": "diffuse", "diffuse": (0.6, 0.5, 0.4), **material}},
+        "objects": [
+            thing("floor", (4, 0.02, 4), (0, -0.01, 0)),
+            thing("slab", (0.7, 0.02, 0.7), (0, 0.6, 0)),
+        ],
+    }
+    return View(build(describe(document), tmp_path))
+
+
+def test_closer_to_the_truth_than_all_samples_in_every_pixel(
+    tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A quarter of the rays: the smoothing takes away more banding than it adds blur."""
+    seen = view(tmp_path)
+    off = [{"id": light.id, "enabled": False} for light in seen.scene.lights]
+    scene = apply(seen.scene, Edits(lights=[*off, LAMP.model_dump()]))
+    truth = render_direct(scene, samples=256).image.reshape(-1, 3)
+    quick = light_on_buffer(seen.scene.rays, seen.buffer, LAMP)
+    monkeypatch.setattr(direct, "PER_PIXEL", 16)
+    monkeypatch.setattr(direct, "smooth_penumbrae", lambda radiance, *_: radiance)
+    full = light_on_buffer(seen.scene.rays, seen.buffer, LAMP)
+
+    # There is a penumbra to speak of.
+    lit = truth.max(axis=1)
+    assert ((lit > 0.1 * lit.max()) & (lit < 0.7 * lit.max())).mean() > 0.1
+    error = np.linalg.norm(quick - truth) / np.linalg.norm(truth)
+    assert error < 0.04
+    assert error < np.linalg.norm(full - truth) / np.linalg.norm(truth)
+    assert quick.sum() == pytest.approx(full.sum(), rel=2e-3)
+
+
+def test_one_sample_in_each_point_of_a_cloud_adds_up(
+    tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen = view(tmp_path)
+    points = seen.buffer.centre
+    points.phase[:] = np.arange(len(points)) % 16
+    one = light_on_points(seen.scene.rays, points, LAMP)
+    every = [light_samples(LAMP, 1)[k : k + 1] for k in range(16)]
+    total = np.zeros_like(one)
+    for sample in every:
+        monkeypatch.setattr(direct, "light_samples", lambda *_, s=sample: s)
+        total += light_on_points(seen.scene.rays, points, LAMP) / 16
+    assert one.sum() == pytest.approx(total.sum(), rel=2e-3)
+    # Runs of 16 points that lie together stand for the light as a whole.
+    runs, truth = (a[: len(a) // 16 * 16].reshape(-1, 16, 3).mean(axis=1) for a in (one, total))
+    assert np.linalg.norm(runs - truth) < 0.05 * np.linalg.norm(truth)
+
+
+def test_samples_cover_the_light() -> None:
+    for per_point in (1, 4, 16):
+        samples = light_samples(LAMP, per_point)
+        assert samples.shape == (16 // per_point, per_point, 2)
+        cells = {tuple(cell) for cell in np.floor(samples.reshape(-1, 2) * 4).astype(int)}
+        assert len(cells) == 16
+    quarters = np.floor(light_samples(LAMP, 4) * 2)
+    for group in quarters:
+        assert len({tuple(quarter) for quarter in group}) == 4
+
+
+def flat(width: int, height: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    y, x = np.divmod(np.arange(width * height), width)
+    position = np.column_stack([x, y, np.zeros(len(x))]).astype(np.float32)
+    normal = np.tile(np.float32([0, 0, 1]), (len(x), 1))
+    return position, normal, np.zeros(len(x), np.int32)
+
+
+def test_a_pattern_of_blocks_becomes_flat_up_to_every_border() -> None:
+    """What differs between the pixels of a block of 2 x 2 alone is gone, on both objects."""
+    width, height = 9, 7
+    position, normal, obj = flat(width, height)
+    obj[position[:, 0] >= 4] = 1
+    alike = alike_neighbours(position, normal, obj, width)
+    x, y = position[:, 0].astype(int), position[:, 1].astype(int)
+    row = np.zeros((len(obj), 16), np.float32)
+    row[:, :3] = np.random.default_rng(1).uniform(0.2, 0.8, (len(obj), 3))  # a texture
+    light = np.where(obj == 1, 5.0, 1.0) * (1 + 0.3 * (x % 2) - 0.2 * (y % 2))
+    smooth = smooth_penumbrae((row[:, :3] * light[:, None]).astype(np.float32), row, alike, width)
+    expected = np.where(obj == 1, 5.0, 1.0) * (1 + 0.15 - 0.1)
+    np.testing.assert_allclose(smooth / row[:, :3], np.tile(expected[:, None], 3), rtol=1e-5)
+
+
+def test_neighbours_across_edges_are_not_alike() -> None:
+    width, height = 6, 5
+    position, normal, obj = flat(width, height)
+    plain = alike_neighbours(position, normal, obj, width).reshape(height, width)
+    assert (plain[:-1, :-1] == RIGHT | DOWN).all()
+    assert (plain[:-1, -1] == DOWN).all()
+    assert (plain[-1, :-1] == RIGHT).all()
+    assert plain[-1, -1] == 0
+
+    nothing = np.where(np.arange(30) == 8, -1, obj).astype(np.int32)
+    step = position.copy()
+    step[position[:, 0] >= 3, 2] = 1
+    bent = normal.copy()
+    bent[position[:, 0] >= 3] = [0.6, 0, 0.8]
+    for arrays in ((step, normal, obj), (position, bent, obj)):
+        found = alike_neighbours(*arrays, width).reshape(height, width)
+        assert not (found[:, 2] & RIGHT).any()
+        assert (found[:-1, 2] & DOWN).all()
+    found = alike_neighbours(position, normal, nothing, width).reshape(height, width)
+    assert found[1, 2] == 0
+    assert not found[1, 1] & RIGHT
+    assert not found[0, 2] & DOWN
