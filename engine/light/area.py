@@ -5,7 +5,8 @@ lamp is no part of the geometry: it casts no shadow and reflects nothing.
 
 It is sampled evenly over the solid angle it fills (Ureña, Fajardo, King 2013, *An Area-Preserving
 Parametrization for Spherical Rectangles*), so that a sample never weighs more than 2π L, however
-near the lamp is.
+near the lamp is. Seen from afar that is all but the same as evenly over its area, which takes a
+quarter of the time.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from engine.numerics.description import Point
 from engine.numerics.vec import cross
 
 NEAREST = 1e-9  # metres in front of the lamp, below which x lies in its plane and gets nothing
+FAR = 2.5  # of the lamp's diagonal: from there on r varies by a fifth each way over the lamp
 SMALL = 1e-6  # steradians below which the difference of angles loses its digits
 Size = Annotated[float, Field(ge=1e-4, le=1e6)]
 
@@ -82,12 +84,15 @@ def _seen(p, x):
 
 @njit
 def _angles(x0, x1, y0, y1, z):
-    """(solid angle, k, b0, b1) of Ureña, Fajardo, King 2013, §4.
+    """(solid angle, k, b0, b1) of Ureña, Fajardo, King 2013, §4; zeros for the area instead.
 
     The solid angle is the sum of the spherical rectangle's four inner angles less 2π. The planes
     through the origin and the sides have normals along (0, z, y0), (z, 0, x1), (0, z, y1),
     (z, 0, x0), up to sign.
     """
+    a, b, dx, dy = (x0 + x1) / 2, (y0 + y1) / 2, x1 - x0, y1 - y0
+    if a * a + b * b + z * z > FAR * FAR * (dx * dx + dy * dy):
+        return 0.0, 0.0, 0.0, 0.0
     n0, n2 = math.sqrt(z * z + y0 * y0), math.sqrt(z * z + y1 * y1)
     n1, n3 = math.sqrt(z * z + x1 * x1), math.sqrt(z * z + x0 * x0)
     g0 = math.acos(max(-1.0, min(1.0, y0 * x1 / (n0 * n1))))
@@ -95,7 +100,8 @@ def _angles(x0, x1, y0, y1, z):
     g2 = math.acos(max(-1.0, min(1.0, y1 * x0 / (n2 * n3))))
     g3 = math.acos(max(-1.0, min(1.0, -x0 * y0 / (n3 * n0))))
     k = 2.0 * math.pi - g2 - g3
-    return g0 + g1 - k, k, -y0 / n0, y1 / n2
+    solid = g0 + g1 - k
+    return (solid, k, -y0 / n0, y1 / n2) if solid > SMALL else (0.0, 0.0, 0.0, 0.0)
 
 
 @njit
@@ -121,14 +127,14 @@ def illuminate(p, x, u1, u2):
     x0, x1, y0, y1, z = _seen(p, x)
     if z < NEAREST:
         return (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
-    solid, k, b0, b1 = _angles(x0, x1, y0, y1, z)
-    far = solid < SMALL
-    if far:
+    weight, k, b0, b1 = _angles(x0, x1, y0, y1, z)
+    if weight == 0.0:
         a, b = x0 + u1 * (x1 - x0), y0 + u2 * (y1 - y0)
+        r = math.sqrt(a * a + b * b + z * z)
+        weight = p[17] * z / (r * r * r)
     else:
-        a, b = _point(x0, x1, y0, y1, z, k, solid, b0, b1, u1, u2)
-    r = math.sqrt(a * a + b * b + z * z)
-    weight = p[17] * z / (r * r * r) if far else solid
+        a, b = _point(x0, x1, y0, y1, z, k, weight, b0, b1, u1, u2)
+        r = math.sqrt(a * a + b * b + z * z)
     a, b, c = a / r, b / r, z / r
     return (
         a * p[9] + b * p[12] - c * p[3],
@@ -169,9 +175,7 @@ def pdf(p, x, w):
     if z < NEAREST:
         return 0.0
     solid, _, _, _ = _angles(x0, x1, y0, y1, z)
-    if solid < SMALL:
-        return t * t / (p[17] * facing)
-    return 1.0 / solid
+    return 1.0 / solid if solid > 0.0 else t * t / (p[17] * facing)
 
 
 @njit

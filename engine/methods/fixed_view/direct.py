@@ -23,6 +23,7 @@ from engine.scene.rays import RayTracer
 # them: neighbours ask different ones, and in a picture they are averaged afterwards.
 GRID = 4
 PER_PIXEL = 4
+PER_COARSE_PIXEL = 2  # while the hand moves: eight points of the light in all
 KEPT_PICTURES = 24
 
 
@@ -45,13 +46,18 @@ def light_on_points(rays: RayTracer, points: Points, light: Light) -> NDArray[np
 
 
 def light_on_pixels(
-    rays: RayTracer, points: Points, alike: NDArray[np.uint8], width: int, light: Light
+    rays: RayTracer,
+    points: Points,
+    alike: NDArray[np.uint8],
+    width: int,
+    light: Light,
+    per_point: int = PER_COARSE_PIXEL,
 ) -> NDArray[np.float32]:
     """Reflected radiance (n, 3) float32 of one light on a picture so wide, not antialiased.
 
     alike (n,) is from `alike_neighbours`.
     """
-    radiance, _ = _light(rays, points, light, PER_PIXEL)
+    radiance, _ = _light(rays, points, light, per_point)
     return smooth_penumbrae(radiance, points.row, alike, width) if light.has_extent else radiance
 
 
@@ -59,7 +65,7 @@ def light_on_buffer(rays: RayTracer, buffer: FrameBuffer, light: Light) -> NDArr
     """Reflected radiance (n, 3) float32 per pixel, antialiased as if four times supersampled."""
     centre, width = buffer.centre, buffer.camera.width
     if light.has_extent:
-        radiance = light_on_pixels(rays, centre, buffer.alike, width, light)
+        radiance = light_on_pixels(rays, centre, buffer.alike, width, light, PER_PIXEL)
     else:
         radiance, visible = _light(rays, centre, light, PER_PIXEL)
         # Where light ends within a pixel, light its tangent plane at a finer grid of places.
