@@ -37,9 +37,18 @@ export class Status {
     find("status-size").textContent = `${header.width} × ${header.height} ${kind}`;
     find("status-error").textContent =
       header.error === null ? "" : `error about ${(100 * header.error).toFixed(1)} %`;
-    find("status-warnings").textContent = header.warnings.map((w) => w.message).join(" · ");
+    this.#notes(header.warnings.map((w) => w.message));
     if (!header.job) this.job(null);
     find("problem").hidden = true;
+  }
+
+  #notes(messages) {
+    const list = this.find("status-warnings");
+    messages.forEach((message, i) => {
+      const item = list.children[i] ?? list.appendChild(document.createElement("li"));
+      if (item.textContent !== message) item.textContent = message;
+    });
+    while (list.children.length > messages.length) list.lastChild.remove();
   }
 
   problem(problem) {

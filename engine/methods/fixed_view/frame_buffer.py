@@ -2,12 +2,15 @@
 
 `direct_to_indirect` §3.2, §3.6 (Hašan et al. 2006). Every pixel has one view sample at its centre.
 A pixel whose four sub-samples do not lie on one smooth piece of surface is an *edge pixel* and has
-those four as well; everywhere else the tangent plane at the centre stands for them.
+those four as well; everywhere else the tangent plane at the centre stands for them. The view sample
+of an edge pixel is the one of the five that has most in common with the others, so that a centre
+that falls in a crack between triangles speaks for nobody.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numba import njit
@@ -32,6 +35,7 @@ FINE = np.array([[i / 4, j / 4] for j in (-1, 0, 1) for i in (-1, 0, 1)])
 # half a pixel's footprint of the centre's tangent plane.
 SAME_NORMAL = 0.99
 SAME_PLANE = 0.5
+TYPICAL_NORMAL = 0.9
 
 
 @dataclass(frozen=True)
@@ -63,7 +67,7 @@ class Points:
     def __len__(self) -> int:
         return len(self.model)
 
-    def take(self, index: NDArray[np.intp] | slice) -> Points:
+    def take(self, index: NDArray[np.integer] | slice) -> Points:
         """The points of an index array or slice."""
         return Points(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
 
@@ -88,7 +92,7 @@ class FrameBuffer:
     """View samples of one camera.
 
     camera   its camera; n = height x width pixels, row by row from the top
-    centre   n points
+    centre   n points, one per pixel
     edge     (m,) int32  pixels that have sub-samples of their own, ascending
     sub      4m points, four per edge pixel
     donor    (4m,) int32 the pixel whose indirect light each sub-sample takes: of the 3 x 3 around
@@ -131,6 +135,7 @@ def build(scene: Scene) -> FrameBuffer:
     sy = (y[pixel, None] + SUBSAMPLES[:, 1]).ravel()
     sub = look_at(scene, camera.directions(sx, sy))
     sub.phase[:] = np.tile(np.arange(4, dtype=np.uint8), len(pixel))
+    _make_typical(centre, pixel, sub)
     donor = np.repeat(pixel, 4)
     for_ranges(
         _find_donors,
@@ -201,6 +206,21 @@ def _describe_hits(
             position[i, k] = p[k]
             normal[i, k] = s[k]
             geometric[i, k] = g[k]
+
+
+def _make_typical(centre: Points, pixel: NDArray[np.int32], sub: Points) -> None:
+    """Replace the view samples of edge pixels (m,) by the most typical of their five samples."""
+    alike = np.zeros((len(pixel), 5, 5), np.bool_)
+    five = [centre.take(pixel), *(sub.take(slice(k, None, 4)) for k in range(4))]
+    for a, b in combinations(range(5), 2):
+        same = (five[a].object == five[b].object) & (five[a].material == five[b].material)
+        same &= np.einsum("ij,ij->i", five[a].normal, five[b].normal) >= TYPICAL_NORMAL
+        alike[:, a, b] = alike[:, b, a] = same | (five[a].model < 0) & (five[b].model < 0)
+    best = alike.sum(axis=2).argmax(axis=1)  # the first of the best: the centre where it is one
+    for k in range(1, 5):
+        here = best == k
+        for name in ("position", "normal", "geometric", "model", "row", "object", "material"):
+            getattr(centre, name)[pixel[here]] = getattr(five[k], name)[here]
 
 
 def _same_surface(

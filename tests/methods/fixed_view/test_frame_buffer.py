@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from methods.scenes import camera, cornell, rectangle, scene, with_camera
 
-from engine.methods.fixed_view.frame_buffer import SUBSAMPLES, FrameBuffer, build
+from engine.methods.fixed_view.frame_buffer import SUBSAMPLES, FrameBuffer, build, look_at
 from engine.scene.scene import Scene
 
 
@@ -125,3 +125,21 @@ def test_textures_are_averaged_within_a_pixel_and_only_there():
     hit = buffer.centre.model >= 0
     row = box.material_table.row[buffer.centre.material[hit]]
     np.testing.assert_allclose(buffer.centre.row[hit], row, rtol=1e-6)
+
+
+def test_a_crack_speaks_for_nobody() -> None:
+    """Two boards a millimetre apart before a wall: centres that see through the gap."""
+    boards = [rectangle(f"board {side}", [2, 1], [0, side * 0.5005, 0]) for side in (-1, 1)]
+    cracked = scene(
+        camera=camera(33, position=[0, 0, 3], fov_y_degrees=20),
+        objects=[*boards, rectangle("wall", [4, 4], [0, 0, -1])],
+    )
+    wall = cracked.object_names.index("wall")
+    middle = slice(16 * 33, 17 * 33)
+    through = cracked.camera.directions(np.arange(33) + 0.5, np.full(33, 16.5))
+    assert (look_at(cracked, through).object == wall).all()
+    centre = build(cracked).centre
+    assert (centre.object != wall).all()
+    assert (centre.position[middle, 2] == 0).all()
+    # The rays stay those through the centres: lamps and the ends of shadows are found with them.
+    np.testing.assert_array_equal(centre.view[middle], -through)
