@@ -36,6 +36,17 @@ export function unproject(camera, x, y, depth) {
   );
 }
 
+// The point of a ball under a place of the picture, on its near or far side; on its rim beside it.
+export function onBall(camera, x, y, { centre, radius, near }) {
+  const { position } = camera;
+  const ray = normalize(sub(unproject(camera, x, y, 1), position));
+  const foot = add(position, scale(ray, dot(sub(centre, position), ray)));
+  const off = sub(foot, centre);
+  const half = radius ** 2 - dot(off, off);
+  if (half <= 0) return add(centre, scale(normalize(off), radius));
+  return add(foot, scale(ray, (near ? -1 : 1) * Math.sqrt(half)));
+}
+
 // Turned about its target: yaw about up, pitch about right; never over the pole.
 export function orbit(camera, yaw, pitch) {
   const up = normalize(camera.up);

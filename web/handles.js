@@ -1,6 +1,6 @@
 // Handles over the picture, where the lights are: drag across, wheel or Shift-drag for depth, keys.
 
-import { heightAt, project, unproject } from "./camera.js";
+import { heightAt, onBall, project, unproject } from "./camera.js";
 import { toHex } from "./colour.js";
 import { outline } from "./outline.js";
 import { add, length, normalize, scale, sub } from "./vector.js";
@@ -20,10 +20,13 @@ export function gripsOf(light, scene, camera) {
   if (light.position) {
     grips.push({ name: "position", at: light.position, move: (p) => ({ position: p }) });
   } else if (light.direction) {
-    // A light at infinity is held by a point on its way to the middle of the picture.
-    const anchor = camera.target;
-    const at = sub(anchor, scale(normalize(light.direction), 0.3 * scene.diagonal));
-    grips.push({ name: "direction", at, move: (p) => ({ direction: sub(anchor, p) }) });
+    // A light at infinity is held by a point on its way to the middle of the picture, on a ball.
+    const centre = camera.target;
+    const radius = 0.3 * scene.diagonal;
+    const at = sub(centre, scale(normalize(light.direction), radius));
+    const near = project(camera, at).depth < project(camera, centre).depth;
+    const move = (p) => ({ direction: sub(centre, p) });
+    grips.push({ name: "direction", at, move, ball: { centre, radius, near } });
   }
   if (light.target) {
     grips.push({ name: "target", at: light.target, move: (p) => ({ target: p }) });
@@ -158,13 +161,15 @@ export class Handles {
     node.setPointerCapture(event.pointerId);
     node.focus({ preventScroll: true });
     this.state.select(id);
-    const { at } = this.#grip(id, name);
+    const { at, ball } = this.#grip(id, name);
     const depth = this.#depth(at);
     const [x, y] = this.#at(event);
     const shown = project(this.state.camera, at);
     // Held where it was touched, unless it comes in from outside.
     const hold = node.dataset.outside === "true" ? [0, 0] : [shown.x - x, shown.y - y];
-    this.#drag = { id, name, depth, hold, pointer: event.pointerId, last: [x, y], moved: false };
+    this.#drag = {
+      id, name, depth, ball, hold, pointer: event.pointerId, last: [x, y], moved: false,
+    };
   }
 
   #move(event) {
@@ -173,6 +178,7 @@ export class Handles {
     const [x, y] = this.#at(event);
     if (x === drag.last[0] && y === drag.last[1]) return;
     if (event.shiftKey) {
+      drag.ball = null;
       drag.depth *= Math.exp(2 * (drag.last[1] - y));
       // The place on the picture stays while the depth changes.
       drag.hold = [drag.hold[0] + drag.last[0] - x, drag.hold[1] + drag.last[1] - y];
@@ -189,8 +195,9 @@ export class Handles {
     if (drag.moved) this.state.change(drag.id, {}, false);
   }
 
-  #put({ id, name, depth }, x, y, moving) {
-    const at = unproject(this.state.camera, x, y, depth);
+  #put({ id, name, depth, ball }, x, y, moving) {
+    const { camera } = this.state;
+    const at = ball ? onBall(camera, x, y, ball) : unproject(camera, x, y, depth);
     this.state.change(id, this.#grip(id, name).move(at), moving);
   }
 
@@ -206,7 +213,7 @@ export class Handles {
     const { at } = this.#grip(id, name);
     const { x, y } = project(this.state.camera, at);
     const depth = this.#depth(at) * factor;
-    if (this.#drag) this.#drag.depth = depth;
+    if (this.#drag) Object.assign(this.#drag, { depth, ball: null });
     this.#put({ id, name, depth }, x, y, moving);
   }
 

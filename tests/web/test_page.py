@@ -181,6 +181,44 @@ def test_added_lights_shine_and_can_be_removed(visit: Any, kind: str) -> None:
     np.testing.assert_allclose(settled(page), original, atol=1)
 
 
+def test_a_light_at_infinity_follows_the_hand(visit: Any) -> None:
+    """Its handle lies on a ball around what the camera looks at, and stays on it."""
+    page: Page = visit.page
+    page.select_option("#add", "distant")
+    handle = page.locator(".handle[data-light=distant-1][data-grip=direction]")
+    before = handle.bounding_box()
+    drag(page, "distant-1", 60, 45, "direction")
+    after = handle.bounding_box()
+    assert before is not None
+    assert after is not None
+    assert after["x"] - before["x"] == pytest.approx(60, abs=1.5)
+    assert after["y"] - before["y"] == pytest.approx(45, abs=1.5)
+    # Past the ball's rim it waits at the rim and comes back.
+    drag(page, "distant-1", 5000, 0, "direction")
+    rim = handle.bounding_box()
+    assert rim is not None
+    assert rim["x"] > after["x"] + 20
+    page.get_by_role("button", name="Remove").click()
+
+
+def test_dragging_does_not_move_the_picture(visit: Any) -> None:
+    """Whatever the status and the notes have to say meanwhile."""
+    page: Page = visit.page
+    places = []
+    box = page.locator(".handle[data-light=key][data-grip=position]").bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    for step in range(20):
+        page.mouse.move(box["x"] + 6 * step, box["y"] + 2 * step)
+        page.wait_for_timeout(16)
+        places.append(page.locator("#picture").bounding_box())
+    page.mouse.up()
+    settled(page)
+    places.append(page.locator("#picture").bounding_box())
+    assert all(place == places[0] for place in places)
+
+
 def test_lights_outside_the_picture_wait_at_its_border(visit: Any) -> None:
     page: Page = visit.page
     page.locator(".lights button.name", has_text="key").click()
