@@ -50,14 +50,6 @@ def inverse(coefficients: NDArray[np.float32]) -> NDArray[np.float32]:
     return scaling
 
 
-def support(n: int) -> NDArray[np.int32]:
-    """(n,) int32: how many of the n values each coefficient's basis function touches."""
-    out = np.full(n, n, np.int32)
-    for level in range(levels(n)):
-        out[4**level : 4 ** (level + 1)] = n // 4**level
-    return out
-
-
 @njit(cache=True, nogil=True)
 def _analyse(children, parents, details):
     for i in range(parents.shape[0]):

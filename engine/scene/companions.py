@@ -7,6 +7,7 @@ to case. Nothing outside the folder of the mesh is ever read.
 
 from __future__ import annotations
 
+from io import UnsupportedOperation
 from pathlib import Path
 from typing import Any
 
@@ -54,8 +55,8 @@ class Companions(trimesh.resolvers.Resolver):  # type: ignore[misc]
         return sorted(path.name for path in self.folder.iterdir() if path.is_file())
 
     def write(self, name: str, data: Any) -> None:
-        """Nothing is written."""
-        raise NotImplementedError
+        """Nothing is written: trimesh asks every resolver for it, but calls it in exports alone."""
+        raise UnsupportedOperation(f"{name} is not written: the folder of a mesh is only read")
 
     def namespaced(self, namespace: str) -> Companions:
         """A folder below."""

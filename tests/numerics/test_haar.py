@@ -73,12 +73,6 @@ def test_takes_columns_of_a_larger_array() -> None:
     )
 
 
-@pytest.mark.parametrize("n", SIZES[:5])
-def test_support_counts_what_a_basis_function_touches(n: int) -> None:
-    basis = haar.inverse(np.eye(n))
-    np.testing.assert_array_equal((basis != 0).sum(axis=0), haar.support(n))
-
-
 def test_a_wavelet_lies_within_its_node() -> None:
     """Coefficient 4^l + 3i + kind touches the run of node i of level l and nothing else."""
     n = 256

@@ -116,9 +116,10 @@ def find_links(
                 continue
             count = 1 << (2 * (depth - level))
             j = node * count + int(uniform(seed, i, node * 16 + level) * count)
-            o, d = _ray(start, vec(leaf_position, j), vec(leaf_geometric, j), epsilon)
+            sample = add(vec(leaf_position, j), scale(vec(leaf_geometric, j), epsilon))
+            d = sub(sample, start)
             for k in range(3):
-                out.origin[links, k] = o[k]
+                out.origin[links, k] = start[k]
                 out.direction[links, k] = d[k]
             links += 1
     out.first[index.shape[0]] = patches
@@ -155,9 +156,7 @@ def closure(first, link, cluster, weight, blocked, depth, closed, sure):
     A point's row sums to π times the closed part of its hemisphere, `closed` (b,). Where samples
     are sparser than the geometry, links to what is half hidden miss much of that. The sum is put
     right as far as it is off by more than `sure`, the standard error of `closed` at its largest.
-    Returns the greatest factor.
     """
-    most = 1.0
     for b in range(first.shape[0] - 1):
         total = 0.0
         for p in range(first[b], first[b + 1]):
@@ -173,15 +172,8 @@ def closure(first, link, cluster, weight, blocked, depth, closed, sure):
             factor = (closed[b] + sure) / total
         else:
             continue
-        most = max(most, factor)
         for p in range(first[b], first[b + 1]):
             weight[p] *= factor
-    return most
-
-
-@njit
-def _ray(start, y, g, epsilon):
-    return start, sub(add(y, scale(g, epsilon)), start)
 
 
 @njit
