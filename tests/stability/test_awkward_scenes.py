@@ -79,8 +79,6 @@ def at(light: dict[str, Any], *position: float) -> dict[str, Any]:
     return {**light, "position": list(position)}
 
 
-LEAK = 0.01  # radiance; lit pictures have 0.03 and more
-
 # Name -> the scene, and whether the picture has light in it.
 SCENES: dict[str, tuple[Callable[[], Scene], bool | None]] = {
     "no light": (room, False),
@@ -118,8 +116,8 @@ def test_pictures_stay_finite(make: Callable[..., Transfer], name: str) -> None:
         assert np.isfinite(image).all()
         assert image.min() >= 0
         if lit is not None:
-            # Culled wavelets spread a little of what shines outside a wall to its inside.
-            assert (image.max() > LEAK) == lit
+            # No light gets through a wall: its other side has no gather samples at all.
+            assert image.max() > 0.03 if lit else not image.any()
     assert np.isfinite(product.indirect(Edits())).all()
 
 
@@ -136,7 +134,7 @@ def test_light_touching_a_surface_is_bounded(make: Callable[..., Transfer]) -> N
         means.append(float(product.indirect(moved).mean()))
     far = float(product.indirect(Edits()).mean())
     assert np.isfinite(means).all()
-    assert max(means) < 4 * far
+    assert max(means) < 3 * far
 
 
 def test_many_lights_are_as_one(make: Callable[..., Transfer]) -> None:
@@ -190,9 +188,9 @@ def test_inverted_triangles_give_the_same_picture(make: Callable[..., Transfer])
     )
     a, b = plain.indirect(Edits()), inverted.indirect(Edits())
     # Other samples are drawn, so the indirect light agrees only as well as it is known.
-    assert np.linalg.norm(a - b) / np.linalg.norm(a) < 0.15
-    assert b.mean() == pytest.approx(a.mean(), rel=0.03)
-    assert a.mean() > 1e-3
+    assert np.linalg.norm(a - b) / np.linalg.norm(a) < 0.04
+    assert b.mean() == pytest.approx(a.mean(), rel=0.008)
+    assert a.mean() > 3e-3
 
 
 def test_light_through_a_thin_wall(make: Callable[..., Transfer]) -> None:
@@ -213,24 +211,24 @@ def test_light_through_a_thin_wall(make: Callable[..., Transfer]) -> None:
         image = product.relight(beyond).image
         assert np.isfinite(image).all()
         # Clusters of the wall mix its sides, and culled wavelets cannot tell them apart.
-        assert product.indirect(beyond).max() < 0.03 * here.max()
-        # Where wall and ceiling meet, the antialiasing of shadows looks past the wall by less
-        # than half a pixel.
-        assert image.mean() < 0.03 * here.mean()
-        assert np.mean(image.max(axis=2) > 0.05 * here.max()) < 0.05
+        assert product.indirect(beyond).max() < 0.024 * here.max()
+        # Nothing but that, where wall and ceiling meet neither.
+        assert image.max() < 0.024 * here.max()
+        assert image.mean() < 0.021 * here.mean()
 
 
 def test_a_closed_white_room_loses_what_is_known(make: Callable[..., Transfer]) -> None:
     """Of albedo 0.95, where light bounces 20 times: 1 % lost at every bounce is 16 % in all.
 
-    Form factors, one shadow ray per link and culling each lose a little. This pins how much, so
-    that it is noticed when it changes; a scene of albedo 0.5 loses hardly anything.
+    Rows that sum to what their points see lose next to nothing. This pins how much, so that it is
+    noticed when it changes: at most 1 % of albedo 0.5 and 2.2 % of 0.95 over six seeds, to which
+    the reference's noise adds less than 0.5 %.
     """
     share = {}
     for albedo in (0.5, 0.95):
         bright = white_room(albedo, [POINT], SIZE)
-        truth = render(bright, samples=100)
+        truth = render(bright, samples=400)
         product = make(bright, gather_samples=4096)
         share[albedo] = float(product.indirect(Edits()).mean() / truth.indirect.mean())
-    assert 0.92 < share[0.5] < 1.03
-    assert 0.6 < share[0.95] < share[0.5]
+    assert 0.985 < share[0.5] < 1.005
+    assert 0.967 < share[0.95] < 1.005

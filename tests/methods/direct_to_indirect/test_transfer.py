@@ -134,17 +134,27 @@ def error_and_noise(
 def test_agrees_with_the_reference(make: Make) -> None:
     """Indirect light of the Cornell box, edge pixels left out."""
     box = cornell(32)
-    product, truth = make(box, gather_samples=4096, coefficients=64), render(box, samples=400)
-    inside = np.ones((32, 32), bool)
-    inside.ravel()[product.view.buffer.edge] = False
-    image, true = product.indirect(Edits())[inside], truth.indirect[inside]
-    error, noise = error_and_noise(image, true, truth.indirect_variance[inside])
-    assert noise < 0.12
-    # A shadow ray per link of a cloud this small makes for most of it.
-    assert error < 0.13, f"{error:.3f} off beyond the reference's noise of {noise:.3f}"
-    # Known to be dark: see the closed white room of the stability tests.
-    bias = image.mean() / true.mean() - 1
-    assert abs(bias) < 0.12, f"{bias:+.3f} brighter on the whole"
+    truth = render(box, samples=400)
+    # Bounds of error and bias. A cloud this small is 0.05 to 0.07 off and 2 to 5 % dark, by its
+    # seed; culled to the paper's few coefficients, 0.08 to 0.10 and 6 to 8 %.
+    for coefficients, bounce_coefficients, most, dark in (
+        (1024, 512, 0.1, 0.07),
+        (64, 40, 0.13, 0.12),
+    ):
+        product = make(
+            box,
+            gather_samples=4096,
+            coefficients=coefficients,
+            bounce_coefficients=bounce_coefficients,
+        )
+        inside = np.ones((32, 32), bool)
+        inside.ravel()[product.view.buffer.edge] = False
+        image, true = product.indirect(Edits())[inside], truth.indirect[inside]
+        error, noise = error_and_noise(image, true, truth.indirect_variance[inside])
+        assert noise < 0.12
+        assert error < most, f"{error:.3f} off beyond the reference's noise of {noise:.3f}"
+        bias = image.mean() / true.mean() - 1
+        assert abs(bias) < dark, f"{bias:+.3f} brighter on the whole"
     # The lamp itself outshines all else, so the upper half is left out of the whole.
     inside[:16] = False
     whole = product.relight(Edits()).image[inside]
@@ -173,14 +183,15 @@ def test_a_lit_environment_agrees_with_the_reference(make: Make) -> None:
     truth = render(court, samples=2048)
     frame = product.relight(Edits())
     error = relative(frame.image, truth.image)
+    # Nearly all of it is the noise of 32 rays towards the sky in a pixel, whatever the seed.
     assert error < 0.08 + truth.error, f"{error:.3f} off, reference noise {truth.error:.3f}"
     inside = np.ones((24, 24), bool)
     inside.ravel()[product.view.buffer.edge] = False
     inside &= truth.indirect.mean(axis=2) > 0
-    # 32 rays towards the sky in a pixel are noisy, but right on the whole.
-    assert frame.image[inside].mean() == pytest.approx(truth.image[inside].mean(), rel=0.01)
+    # Such rays are right on the whole.
+    assert frame.image[inside].mean() == pytest.approx(truth.image[inside].mean(), rel=0.005)
     bias = product.indirect(Edits())[inside].mean() / truth.indirect[inside].mean() - 1
-    assert abs(bias) < 0.06
+    assert abs(bias) < 0.03
     # The background is the sky itself.
     np.testing.assert_allclose(frame.image[0, 0], [1.0, 0.9, 0.8], rtol=1e-5)
 
@@ -194,7 +205,7 @@ def test_more_coefficients_less_error(make: Make) -> None:
     }
     errors = [relative(images[k], images[1024]) for k in (2, 8, 32, 128)]
     assert errors == sorted(errors, reverse=True)
-    assert errors[0] > 0.1
+    assert errors[0] > 0.2
     assert errors[-1] < 0.02
 
 
@@ -205,10 +216,11 @@ def test_more_bounces_converge(make: Make) -> None:
         [float(make(room, bounces=b).indirect(Edits()).mean()) for b in (0, 1, 2, 4, 8, 32)]
     )
     off = np.abs(energy / energy[-1] - 1)
-    assert off[0] > 0.3
+    # What has bounced once is 1 - albedo of all.
+    assert off[0] == pytest.approx(0.7, abs=0.003)
     assert (np.diff(off) <= 1e-6).all()
-    assert off[1] < 0.1
-    assert off[2] < 0.03
+    assert off[1] < 0.012
+    assert off[2] < 0.003
 
 
 # Pictures of half the size

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 from methods.fixed_view.gather_matrix import dense_rows, links_of, square
-from methods.scenes import cornell
+from methods.scenes import camera, cornell, rectangle, scene, white_room
 
-from engine.methods.fixed_view.cloud import build_cloud
-from engine.methods.fixed_view.gather import Job, gather_chunk
+from engine.methods.fixed_view.cloud import GatherCloud, build_cloud
+from engine.methods.fixed_view.gather import HEMISPHERE, SURE, Job, gather_chunk
+from engine.methods.fixed_view.hierarchy import level_start
+from engine.methods.fixed_view.links import closure, hemisphere_rays
 from engine.methods.fixed_view.view import View
 from engine.numerics.haar import forward
+from engine.scene.scene import Scene
 
 
 def parallel(a: float, b: float, c: float) -> float:
@@ -107,28 +112,7 @@ def test_rows_of_the_cornell_box_sum_to_what_rays_hit():
     rng = np.random.default_rng(5)
     open_space = away_from_corners(box, points, 0.1)
     chosen = rng.permutation(np.flatnonzero(open_space))[:64]
-    job = Job(
-        positions=box.geometry.positions,
-        triangles=box.geometry.triangles,
-        tiles=chosen.astype(np.int32)[None],
-        position=points.position,
-        normal=points.normal,
-        geometric=points.geometric,
-        leaf_position=cloud.points.position,
-        leaf_geometric=cloud.points.geometric,
-        clusters=cloud.clusters,
-        importance=np.ones(4096, np.float32),
-        link_size=0.05,
-        patch_size=0.5,
-        coefficients=4096,
-        seed=1,
-        rays=box.rays,
-    )
-    made = gather_chunk(job, 0)
-    # The Haar coefficients of a constant are its scaling alone.
-    scaling = forward(np.ones((4096, 1), np.float32))[0, 0]
-    (k,) = np.flatnonzero(made["ids"] == 0)
-    found = made["steps"][k] * made["scale"][k] * scaling / np.pi
+    found = row_sums(box, points.position[chosen], points.geometric[chosen], cloud)
     expected, error = hit_share(box, points.take(chosen), 4096)
     assert error.max() < 0.01
     off = found - expected
@@ -136,6 +120,36 @@ def test_rows_of_the_cornell_box_sum_to_what_rays_hit():
     assert np.abs(off).max() < 0.12
     assert np.sqrt(np.mean(off**2)) < 0.035
     assert abs(off.mean()) < 0.015
+
+
+def row_sums(
+    where: Scene, position: np.ndarray, normal: np.ndarray, cloud: GatherCloud
+) -> np.ndarray:
+    """(64,) share of its hemisphere that each of 64 points gathers from, as rows are stored."""
+    n = len(cloud)
+    position, normal = (np.ascontiguousarray(a, np.float32) for a in (position, normal))
+    job = Job(
+        positions=where.geometry.positions,
+        triangles=where.geometry.triangles,
+        tiles=np.arange(64, dtype=np.int32)[None],
+        position=position,
+        normal=normal,
+        geometric=normal,
+        leaf_position=cloud.points.position,
+        leaf_geometric=cloud.points.geometric,
+        clusters=cloud.clusters,
+        importance=np.ones(n, np.float32),
+        link_size=0.05,
+        patch_size=0.5,
+        coefficients=n,
+        seed=1,
+        rays=where.rays,
+    )
+    made = gather_chunk(job, 0)
+    # The Haar coefficients of a constant are its scaling alone.
+    scaling = forward(np.ones((n, 1), np.float32))[0, 0]
+    (k,) = np.flatnonzero(made["ids"] == 0)
+    return made["steps"][k] * made["scale"][k] * scaling / np.pi
 
 
 def away_from_corners(box, points, distance: float) -> np.ndarray:
@@ -162,3 +176,158 @@ def hit_share(box, points, rays: int) -> tuple[np.ndarray, np.ndarray]:
     hit = box.rays.occluded(start, np.ascontiguousarray(d.reshape(-1, 3), np.float32))
     share = hit.reshape(n, rays).mean(axis=1)
     return share, np.sqrt(share * (1 - share) / rays)
+
+
+# The sums of rows
+
+
+class Rows(NamedTuple):
+    """The first arguments of `closure`, by hand: see `hand_made`."""
+
+    first: np.ndarray
+    link: np.ndarray
+    cluster: np.ndarray
+    weight: np.ndarray
+    blocked: np.ndarray
+
+
+DEPTH = 3
+
+
+def hand_made(*totals: float) -> Rows:
+    """Rows over 64 samples, whose patches that are seen sum to π times `totals`.
+
+    Each row has a patch of 16 samples, one of a single sample, and between them one that is
+    blocked and would double the sum.
+    """
+    of = [np.array([t / 2 / 16, t / 16, t / 2]) * np.pi for t in totals]
+    n = len(totals)
+    return Rows(
+        first=np.arange(n + 1, dtype=np.int32) * 3,
+        link=np.arange(3 * n, dtype=np.int32),
+        cluster=np.tile([level_start(1) + 2, level_start(1) + 1, level_start(3) + 17], n),
+        weight=np.concatenate(of).astype(np.float32),
+        blocked=np.tile([False, True, False], n),
+    )
+
+
+@pytest.mark.parametrize(
+    ("closed", "before", "after"),
+    [
+        # Off by less than the rays can tell: left as it is.
+        (0.5, 0.48, 0.48),
+        (0.5, 0.52, 0.52),
+        (1.0, 0.98, 0.98),
+        # Off by more: put right up to what the rays cannot tell.
+        (0.5, 0.3, 0.47),
+        (0.5, 0.9, 0.53),
+        (0.0, 0.4, 0.03),
+        (1.0, 1.4, 1.03),
+        # Where every ray hits there is no doubt that the hemisphere is closed.
+        (1.0, 0.6, 1.0),
+        # What is hardly sampled at all is not blown up without end.
+        (0.9, 0.1, 0.4),
+        (1.0, 0.0, 0.0),
+    ],
+)
+def test_a_row_is_put_right_as_far_as_rays_tell(closed: float, before: float, after: float):
+    rows = hand_made(0.7, before, 0.7)
+    weight = rows.weight.copy()
+    closure(*rows, DEPTH, np.array([0.7, closed, 0.7]), 0.03)
+    found = weight_sums(rows)
+    np.testing.assert_allclose(found, [0.7, after, 0.7], rtol=1e-6)
+    # Its neighbours keep their bytes, and within it every patch its share.
+    np.testing.assert_array_equal(rows.weight[[0, 1, 2, 6, 7, 8]], weight[[0, 1, 2, 6, 7, 8]])
+    factor = after / before if before else 1
+    np.testing.assert_allclose(rows.weight[3:6], factor * weight[3:6], rtol=1e-6)
+    if after == before:
+        np.testing.assert_array_equal(rows.weight, weight)
+
+
+def weight_sums(rows: Rows) -> np.ndarray:
+    """(b,) share of its hemisphere that each row of `hand_made` gathers from."""
+    return rows.weight.reshape(-1, 3).astype(float) @ [16, 0, 1] / np.pi
+
+
+def test_rays_of_a_hemisphere_tell_its_closed_share_to_what_is_said():
+    """A plane through the point leaves (1 + cos t) / 2 of the cosine-weighted hemisphere."""
+    rng = np.random.default_rng(7)
+    n = 512
+    normal = rng.normal(size=(n, 3))
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    beyond = rng.normal(size=(n, 3))
+    beyond /= np.linalg.norm(beyond, axis=1, keepdims=True)
+    normal = normal.astype(np.float32)
+    position = rng.uniform(-1, 1, (n, 3)).astype(np.float32)
+    origin, direction = np.zeros((2, n * HEMISPHERE, 3), np.float32)
+    index = np.arange(n, dtype=np.int32)
+    hemisphere_rays(
+        index, position, normal, normal, 1e-3, 1, HEMISPHERE, origin, direction,
+    )  # fmt: skip
+    rays = direction.reshape(n, HEMISPHERE, 3).astype(float)
+    np.testing.assert_allclose(np.linalg.norm(rays, axis=2), 1, atol=1e-5)
+    assert (np.einsum("nkc,nc->nk", rays, normal) > 0).all()
+    np.testing.assert_allclose(
+        origin.reshape(n, HEMISPHERE, 3)[:, 5], position + 1e-3 * normal, atol=1e-6
+    )
+    found = (np.einsum("nkc,nc->nk", rays, beyond) > 0).mean(axis=1)
+    off = found - (1 + np.einsum("nc,nc->n", normal, beyond)) / 2
+    error = np.sqrt(np.mean(off**2))
+    assert error <= SURE
+    # It is not far less either: the allowance would be too wide then.
+    assert error > SURE / 3
+    assert abs(off.mean()) < 4 * SURE / np.sqrt(n)
+
+
+STEP = 0.51 * (1 + SURE) / 127  # a row's sum is stored in 127 steps of the greatest of a tile
+
+
+@pytest.mark.parametrize("samples", [256, 4096])
+def test_every_row_of_a_closed_room_sums_to_one(samples: int):
+    """With 256 samples three rows of four are off by more than rays can tell, one by 0.65."""
+    room = white_room(0.5, [], 8)
+    points = View(room).buffer.centre
+    cloud = build_cloud(room, points, samples, 6.0, 1)
+    assert np.abs(row_sums(room, points.position, points.geometric, cloud) - 1).max() < SURE + STEP
+
+
+def test_every_row_in_a_narrow_slot_sums_to_one():
+    """Under a block that hovers 5 cm above the floor samples are sparse and half hidden."""
+    block = {
+        "name": "block",
+        "mesh": {"shape": "box", "size": [0.8, 0.5, 0.8]},
+        "transform": {"translate": [0, -0.7, 0]},
+    }
+    room = scene(
+        camera=camera(8, position=[0.07, 0.04, 0.9], target=[-0.03, 0.01, 0]),
+        objects=[{"name": "room", "mesh": {"shape": "box", "size": [2, 2, 2]}}, block],
+    )
+    cloud = build_cloud(room, View(room).buffer.centre, 4096, 6.0, 1)
+    rng = np.random.default_rng(1)
+    x, z = rng.uniform(-0.3, 0.3, (2, 64))
+    floor = np.column_stack([x, 0 * x - 1, z])
+    found = row_sums(room, floor, np.tile([0, 1, 0], (64, 1)), cloud)
+    assert np.abs(found - 1).max() < SURE + STEP
+    # Most gather too little by themselves, and are put right to the last.
+    assert np.mean(np.abs(found - 1) < STEP) > 0.7
+
+
+def test_a_point_that_looks_half_out_of_an_open_box_keeps_half():
+    """In the plane of the opening, seen along it, just half of a hemisphere is closed."""
+    walls = [
+        rectangle("back", [2, 2], [0, 0, -2]),
+        rectangle("left", [2, 2], [-1, 0, -1], [0, 90, 0]),
+        rectangle("right", [2, 2], [1, 0, -1], [0, -90, 0]),
+        rectangle("floor", [2, 2], [0, -1, -1], [-90, 0, 0]),
+        rectangle("ceiling", [2, 2], [0, 1, -1], [90, 0, 0]),
+    ]
+    box = scene(camera=camera(16, position=[0, 0, 3]), objects=walls)
+    angle = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+    sideways = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    position = sideways * np.linspace(-0.9, 0.5, 64)[:, None]
+    # A cloud so small that by itself it gives one point 0.37.
+    cloud = build_cloud(box, View(box).buffer.centre, 64, 6.0, 1)
+    found = row_sums(box, position, sideways, cloud)
+    # Two of 64 rays more or less than half may hit.
+    assert np.abs(found - 0.5).max() < SURE + 2 / HEMISPHERE
+    assert found.mean() == pytest.approx(0.5, abs=SURE)
