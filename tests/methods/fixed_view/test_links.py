@@ -116,10 +116,10 @@ def test_rows_of_the_cornell_box_sum_to_what_rays_hit():
     expected, error = hit_share(box, points.take(chosen), 4096)
     assert error.max() < 0.01
     off = found - expected
-    # One point has a few hundred links, each with one yes-or-no ray.
-    assert np.abs(off).max() < 0.12
-    assert np.sqrt(np.mean(off**2)) < 0.035
-    assert abs(off.mean()) < 0.015
+    # What is off by less than SURE is left so, and what it is put right by is as uncertain.
+    assert np.abs(off).max() < 0.075
+    assert np.sqrt(np.mean(off**2)) < 0.024
+    assert abs(off.mean()) < 0.012
 
 
 def row_sums(
