@@ -20,7 +20,9 @@ from engine.scene.rays import RayTracer
 evaluate = brdfs.evaluate
 illuminate = lights.illuminate
 
-DARK, HIDDEN, VISIBLE = 0, 1, 2  # DARK: the light does not reach the point even without shadows
+# DARK: the light does not reach the point even without shadows. Of a light with extent both may
+# hold: HIDDEN | VISIBLE.
+DARK, HIDDEN, VISIBLE = 0, 1, 2
 CHUNK = 32768
 
 
@@ -42,8 +44,7 @@ def light_points(
 
     position (n, 3) are the places to be lit; the rest of what they are says point at[j] of the
     other arrays. `kind`, `light` are a row of a LightTable. samples (groups, k, 2) are places on
-    the light: a point is lit from the k of the group that its phase picks, and its visibility is
-    that of the last of them.
+    the light: a point is lit from the k of the group that its phase picks.
     """
     n, per_point = len(position), samples.shape[1]
     radiance = np.zeros((n, 3), np.float32)
@@ -121,7 +122,7 @@ def _unshadowed(
 def _add_visible(index, value, blocked, radiance, visible):
     for q in range(index.shape[0]):
         j = index[q]
-        visible[j] = HIDDEN if blocked[q] else VISIBLE
+        visible[j] |= HIDDEN if blocked[q] else VISIBLE
         if not blocked[q]:
             for c in range(3):
                 radiance[j, c] += value[q, c]
@@ -148,12 +149,12 @@ def _average(start, stop, pixel, samples, image):
 def light_edges(
     visible: NDArray[np.uint8], skip: NDArray[np.bool_], width: int
 ) -> NDArray[np.int32]:
-    """Pixels (m,) int32 where light ends: one of the four neighbours is lit otherwise.
+    """Pixels (m,) int32 where light ends: in part in it, or a neighbour of four is lit otherwise.
 
     visible (n,) uint8 from `light_points`; pixels of `skip` (n,) bool are left out.
     """
     lit = visible.reshape(-1, width)
-    at_edge = np.zeros(lit.shape, np.bool_)
+    at_edge = lit == HIDDEN | VISIBLE
     across, down = lit[:, 1:] != lit[:, :-1], lit[1:] != lit[:-1]
     at_edge[:, 1:] |= across
     at_edge[:, :-1] |= across

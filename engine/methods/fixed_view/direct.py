@@ -19,25 +19,27 @@ from engine.light.table import light_table
 from engine.methods.fixed_view.frame_buffer import FINE, FrameBuffer, Points
 from engine.scene.rays import RayTracer
 
-# A light with extent shines from a 4 x 4 grid of its points. No point of a surface asks all of
+# A light with extent shines from an 8 x 8 grid of its points. No point of a surface asks all of
 # them: neighbours ask different ones, and in a picture they are averaged afterwards.
-GRID = 4
-PER_PIXEL = 4
-PER_COARSE_PIXEL = 2  # while the hand moves: eight points of the light in all
+PER_PIXEL, PER_PENUMBRA_PIXEL = 4, 16
+PER_COARSE_PIXEL = 2  # while the hand moves
 KEPT_PICTURES = 24
 
 
 def light_samples(light: Light, per_point: int) -> NDArray[np.float64]:
     """(groups, k, 2) sample points of a light: one, or a grid in groups of `per_point`.
 
-    Every four in a row lie in different quarters of the light.
+    Of any four in a row one lies in each quarter of the light, of any sixteen one in each
+    sixteenth, and the first of them have their middle in the light's.
     """
     if not light.has_extent:
         return np.full((1, 1, 2), 0.5)
-    within = [(0, 0), (1, 1), (1, 0), (0, 1)]
-    quarters = [(0, 0), (2, 2), (2, 0), (0, 2)]
-    cells = np.array([(a + c, b + d) for a, b in within for c, d in quarters])
-    return ((cells + 0.5) / GRID).reshape(-1, per_point, 2)
+    half = np.array([(0, 0), (1, 1), (1, 0), (0, 1)])
+    cells = np.array(
+        [4 * half[q] + 2 * half[(a + b) % 4] + half[b, ::-1]
+         for a in range(4) for b in range(4) for q in range(4)]
+    )  # fmt: skip
+    return ((cells + 0.5) / 8).reshape(-1, per_point, 2)
 
 
 def light_on_points(rays: RayTracer, points: Points, light: Light) -> NDArray[np.float32]:
@@ -46,32 +48,31 @@ def light_on_points(rays: RayTracer, points: Points, light: Light) -> NDArray[np
 
 
 def light_on_pixels(
-    rays: RayTracer,
-    points: Points,
-    alike: NDArray[np.uint8],
-    width: int,
-    light: Light,
-    per_point: int = PER_COARSE_PIXEL,
+    rays: RayTracer, points: Points, alike: NDArray[np.uint8], width: int, light: Light
 ) -> NDArray[np.float32]:
     """Reflected radiance (n, 3) float32 of one light on a picture so wide, not antialiased.
 
     alike (n,) is from `alike_neighbours`.
     """
-    radiance, _ = _light(rays, points, light, per_point)
+    radiance, _ = _light(rays, points, light, PER_COARSE_PIXEL)
     return smooth_penumbrae(radiance, points.row, alike, width) if light.has_extent else radiance
 
 
 def light_on_buffer(rays: RayTracer, buffer: FrameBuffer, light: Light) -> NDArray[np.float32]:
     """Reflected radiance (n, 3) float32 per pixel, antialiased as if four times supersampled."""
     centre, width = buffer.centre, buffer.camera.width
+    radiance, visible = _light(rays, centre, light, PER_PIXEL)
+    skip = np.zeros(len(centre), np.bool_)
+    skip[buffer.edge] = True
+    pixel = light_edges(visible, skip, width)
     if light.has_extent:
-        radiance = light_on_pixels(rays, centre, buffer.alike, width, light, PER_PIXEL)
+        # More of the light where some of it is hidden.
+        radiance[pixel], _ = _light(
+            rays, centre, light, PER_PENUMBRA_PIXEL, pixel, centre.position[pixel]
+        )
+        radiance = smooth_penumbrae(radiance, centre.row, buffer.alike, width)
     else:
-        radiance, visible = _light(rays, centre, light, PER_PIXEL)
         # Where light ends within a pixel, light its tangent plane at a finer grid of places.
-        skip = np.zeros(len(centre), np.bool_)
-        skip[buffer.edge] = True
-        pixel = light_edges(visible, skip, width)
         places = on_tangent_planes(
             pixel, buffer.camera.position, centre.view, centre.position, centre.geometric, width,
             FINE,

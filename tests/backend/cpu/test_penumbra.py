@@ -1,4 +1,4 @@
-"""A soft shadow from a quarter of the rays in each pixel is that from all of them."""
+"""A soft shadow from a few rays in each pixel is that from many."""
 
 from __future__ import annotations
 
@@ -44,16 +44,17 @@ def view(tmp_path: Any, **material: Any) -> View:
     return View(build(describe(document), tmp_path))
 
 
-def test_closer_to_the_truth_than_all_samples_in_every_pixel(
+def test_as_close_to_the_truth_as_all_samples_in_every_pixel(
     tmp_path: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A quarter of the rays: the smoothing takes away more banding than it adds blur."""
+    """For a quarter of the rays at most: smoothing takes away the banding and adds little blur."""
     seen = view(tmp_path)
     off = [{"id": light.id, "enabled": False} for light in seen.scene.lights]
     scene = apply(seen.scene, Edits(lights=[*off, LAMP.model_dump()]))
     truth = render_direct(scene, samples=256).image.reshape(-1, 3)
     quick = light_on_buffer(seen.scene.rays, seen.buffer, LAMP)
-    monkeypatch.setattr(direct, "PER_PIXEL", 16)
+    monkeypatch.setattr(direct, "PER_PIXEL", 64)
+    monkeypatch.setattr(direct, "PER_PENUMBRA_PIXEL", 64)
     monkeypatch.setattr(direct, "smooth_penumbrae", lambda radiance, *_: radiance)
     full = light_on_buffer(seen.scene.rays, seen.buffer, LAMP)
 
@@ -61,8 +62,8 @@ def test_closer_to_the_truth_than_all_samples_in_every_pixel(
     lit = truth.max(axis=1)
     assert ((lit > 0.1 * lit.max()) & (lit < 0.7 * lit.max())).mean() > 0.1
     error = np.linalg.norm(quick - truth) / np.linalg.norm(truth)
-    assert error < 0.04
-    assert error < np.linalg.norm(full - truth) / np.linalg.norm(truth)
+    assert error < 0.035
+    assert error < 1.1 * np.linalg.norm(full - truth) / np.linalg.norm(truth)
     assert quick.sum() == pytest.approx(full.sum(), rel=2e-3)
 
 
@@ -84,15 +85,20 @@ def test_one_sample_in_each_point_of_a_cloud_adds_up(
     assert np.linalg.norm(runs - truth) < 0.05 * np.linalg.norm(truth)
 
 
-def test_samples_cover_the_light() -> None:
-    for per_point in (1, 4, 16):
+def test_samples_cover_the_light_evenly() -> None:
+    def cells(samples: np.ndarray, side: int) -> int:
+        return len({tuple(cell) for cell in np.floor(samples.reshape(-1, 2) * side).astype(int)})
+
+    for per_point in (1, 2, 4, 16, 64):
         samples = light_samples(LAMP, per_point)
-        assert samples.shape == (16 // per_point, per_point, 2)
-        cells = {tuple(cell) for cell in np.floor(samples.reshape(-1, 2) * 4).astype(int)}
-        assert len(cells) == 16
-    quarters = np.floor(light_samples(LAMP, 4) * 2)
-    for group in quarters:
-        assert len({tuple(quarter) for quarter in group}) == 4
+        assert samples.shape == (64 // per_point, per_point, 2)
+        assert cells(samples, 8) == 64
+    # A pixel has one of every quarter, of every sixteenth in a penumbra; so has a block of four.
+    assert all(cells(group, 2) == 4 for group in light_samples(LAMP, 4))
+    assert all(cells(group, 4) == 16 for group in light_samples(LAMP, 16))
+    assert cells(light_samples(LAMP, 4)[:4], 4) == 16
+    for per_point in (2, 4, 16):
+        np.testing.assert_allclose(light_samples(LAMP, per_point)[:4].mean(axis=(0, 1)), 0.5)
 
 
 def flat(width: int, height: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
