@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from engine.measure.document import finite, provenance
 from engine.measure.machine import this_machine
 from engine.measure.probes import held_out_edits
@@ -17,7 +19,7 @@ from engine.measure.timing import PhaseClock, stopwatch
 from engine.methods import METHODS, prepare
 from engine.methods.base import Progress, silent
 from engine.reference import render
-from engine.scene.edits import apply
+from engine.scene.edits import Edits, apply
 from engine.scene.open import open_scene
 from engine.scene.scene import Scene
 from engine.store import Store
@@ -81,6 +83,7 @@ def _bench_scene(
             "median": timing.median,
             "p95": timing.p95,
             "parts": parts,
+            "lights": _by_light(edits, timing.seconds),
         },
         "reference": {
             "samples": result.samples,
@@ -94,3 +97,13 @@ def _bench_scene(
             "precompute_over_reference": precompute / brute_force,
         },
     }
+
+
+def _by_light(edits: Sequence[Edits], seconds: Sequence[float]) -> dict[str, float]:
+    """Median seconds by what each edit moves: one of the scene's lights, or a new one of a type."""
+    times: dict[str, list[float]] = {}
+    for turn, took in enumerate(seconds):
+        light = (edits[turn % len(edits)].lights or [{}])[-1]
+        name = f"a new {light['type']} light" if "type" in light else f"{light['id']!r} moved"
+        times.setdefault(name, []).append(took)
+    return {name: float(np.median(took)) for name, took in times.items()}

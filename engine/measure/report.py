@@ -33,6 +33,7 @@ def _rows(scenes: list[dict[str, Any]]) -> list[tuple[str, list[str]]]:
 
     phases = dict.fromkeys(name for s in scenes for name in s["phase_seconds"])
     parts = dict.fromkeys(name for s in scenes for name in s["frame_seconds"]["parts"])
+    lights = dict.fromkeys(name for s in scenes for name in s["frame_seconds"]["lights"])
     return [
         row("triangles", "triangles", unit=""),
         row("precompute", "precompute_seconds", unit="s"),
@@ -40,6 +41,10 @@ def _rows(scenes: list[dict[str, Any]]) -> list[tuple[str, list[str]]]:
         row("transport", "bytes", unit="MB", factor=1e-6),
         row("light edit to linear frame, median", "frame_seconds", "median", unit="ms", factor=1e3),
         row("  95th percentile", "frame_seconds", "p95", unit="ms", factor=1e3),
+        *(
+            row(f"  {name}", "frame_seconds", "lights", name, unit="ms", factor=1e3)
+            for name in lights
+        ),
         *(
             row(f"  {name}", "frame_seconds", "parts", name, unit="ms", factor=1e3)
             for name in parts

@@ -115,6 +115,8 @@ def test_a_benchmark_is_complete_and_can_be_printed(tmp_path: Path) -> None:
     assert sum(found["phase_seconds"].values()) < 1.1 * found["precompute_seconds"]
     frame = found["frame_seconds"]
     assert 0 < frame["median"] <= frame["p95"]
+    assert set(frame["lights"]) == {"a new spot light", "a new point light", "'lamp' moved"}
+    assert min(frame["lights"].values()) <= frame["median"] <= max(frame["lights"].values())
     assert found["ratios"]["memory_bandwidth_used"] == pytest.approx(
         found["bytes"] / frame["median"] / document["machine"]["memory_read_gb_s"] / 1e9
     )
