@@ -23,7 +23,8 @@ from engine.scene.rays import RayTracer
 # them: neighbours ask different ones, and in a picture they are averaged afterwards.
 PER_PIXEL, PER_PENUMBRA_PIXEL = 4, 16
 PER_COARSE_PIXEL = 2  # while the hand moves
-KEPT_PICTURES = 24
+KEPT_BYTES = 256e6
+KEPT_LAMPS = 24
 
 
 def light_samples(light: Light, per_point: int) -> NDArray[np.float64]:
@@ -108,11 +109,15 @@ Lamp = tuple[NDArray[np.intp], NDArray[np.float32], NDArray[np.float32]]
 """Pixels (m,) that a lamp covers, how much of each (m, 1), and its radiance there (m, 3)."""
 
 
+Key = tuple[int | str, Light]
+
+
 class LightPictures:
     """Remembers what each light did, so that only lights that changed are computed again."""
 
     def __init__(self) -> None:
-        self._pictures: OrderedDict[tuple[int | str, Light], NDArray[np.float32]] = OrderedDict()
+        self._pictures: OrderedDict[Key, NDArray[np.float32]] = OrderedDict()
+        self._bytes = 0
         self._lamps: OrderedDict[tuple[int, Light], Lamp] = OrderedDict()
 
     def total(
@@ -124,20 +129,29 @@ class LightPictures:
     ) -> NDArray[np.float32]:
         """Sum over enabled lights of compute(light) (n, 3); `what` names the kind of picture."""
         out = np.zeros((n, 3), np.float32)
-        on = [light for light in lights if light.enabled]
-        for light in on:
+        keys = {(what, light) for light in lights if light.enabled}
+        for light in lights:
+            if not light.enabled:
+                continue
             key = (what, light)
-            picture = self._pictures.get(key)
-            if picture is None:
-                picture = compute(light)
-                if len(on) * 3 <= KEPT_PICTURES:
-                    self._pictures[key] = picture
-            else:
+            if key in self._pictures:
                 self._pictures.move_to_end(key)
-            out += picture
-        while len(self._pictures) > KEPT_PICTURES:
-            self._pictures.popitem(last=False)
+                out += self._pictures[key]
+            else:
+                picture = compute(light)
+                self._keep(key, picture, keys)
+                out += picture
         return out
+
+    def _keep(self, key: Key, picture: NDArray[np.float32], wanted: set[Key]) -> None:
+        """Remember a picture, in place of the oldest but not of one that is wanted now."""
+        while self._pictures and self._bytes + picture.nbytes > KEPT_BYTES:
+            oldest = next(iter(self._pictures))
+            if oldest in wanted:
+                return
+            self._bytes -= self._pictures.pop(oldest).nbytes
+        self._pictures[key] = picture
+        self._bytes += picture.nbytes
 
     def lamp(self, scale: int, light: Light, compute: Callable[[], Lamp]) -> Lamp:
         """The picture of a light itself."""
@@ -145,6 +159,6 @@ class LightPictures:
         if key not in self._lamps:
             self._lamps[key] = compute()
         self._lamps.move_to_end(key)
-        while len(self._lamps) > KEPT_PICTURES:
+        while len(self._lamps) > KEPT_LAMPS:
             self._lamps.popitem(last=False)
         return self._lamps[key]
