@@ -2,7 +2,8 @@
 
 They take turns: a sharp spot on something that the camera sees (the hard case of
 `direct_to_indirect` §3.7), a bare point light, and one of the scene's own lights moved while the
-others stay.
+others stay. All keep off the surfaces: a light close to a wall is a case of its own, in which noise
+and the 1/r² of a point drown everything else.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from engine.scene.scene import Scene
 
 CONE_DEGREES, PENUMBRA_DEGREES = 20.0, 2.0
 TRIES = 1000
+CLEARANCE, FEELERS = 0.03, 128  # of the scene's size; rays that feel for surfaces
 Position = tuple[float, float, float]
 
 
@@ -29,9 +31,9 @@ def held_out_edits(scene: Scene, count: int, seed: int) -> list[Edits]:
     off = [{"id": light.id, "enabled": False} for light in scene.lights]
     edits = []
     for k in range(count):
-        target, position = _seen_point(scene, rng)
-        if k % 3 == 2 and movable:
-            light = movable[k // 3 % len(movable)]
+        light = movable[k // 3 % len(movable)] if k % 3 == 2 and movable else None
+        target, position = _seen_point(scene, rng, _radius(light))
+        if light is not None:
             edits.append(Edits(lights=[{"id": light.id, "position": position}]))
         elif k % 3 == 1:
             edits.append(Edits(lights=[*off, _probe(scene, "point", position)]))
@@ -65,11 +67,17 @@ def _probe(scene: Scene, kind: str, position: Position) -> dict[str, Any]:
     return {"id": "probe", "type": kind, "position": position, "intensity": (intensity,) * 3}
 
 
-def _seen_point(scene: Scene, rng: np.random.Generator) -> tuple[Position, Position]:
+def _radius(light: Light | None) -> float:
+    """How far the light reaches from its position, metres."""
+    width, height = getattr(light, "width", 0.0), getattr(light, "height", 0.0)
+    return float(np.hypot(width, height)) / 2
+
+
+def _seen_point(scene: Scene, rng: np.random.Generator, radius: float) -> tuple[Position, Position]:
     """(a point that the camera sees, a place in the open from which it can be lit).
 
-    The place lies between a visible point and what another ray from there meets, so it is in the
-    same room and inside nothing.
+    Nothing is nearer to the place than CLEARANCE and the light's own radius. It lies between a
+    visible point and what another ray from there meets, so it is in the same room.
     """
     camera = scene.camera
     for _ in range(TRIES):
@@ -87,7 +95,8 @@ def _seen_point(scene: Scene, rng: np.random.Generator) -> tuple[Position, Posit
             reach = min(reach, float(np.linalg.norm(other[0] - point)))
         if reach > 0.05 * scene.diagonal:
             place = point + share * reach * side
-            return _rounded(point), _rounded(place)
+            if _nearest(scene, place, rng) > CLEARANCE * scene.diagonal + radius:
+                return _rounded(point), _rounded(place)
     raise SceneError("the camera sees nothing that could be lit")
 
 
@@ -104,6 +113,13 @@ def _cast(scene: Scene, origin: NDArray, direction: NDArray) -> tuple[NDArray, N
     normal /= np.linalg.norm(normal)
     point = origin + float(hits.distance[0]) * direction.astype(float)
     return point, -normal if normal @ direction > 0 else normal
+
+
+def _nearest(scene: Scene, place: NDArray, rng: np.random.Generator) -> float:
+    """Distance to the nearest surface, as far as some rays can tell."""
+    directions = np.array([_random_direction(rng) for _ in range(FEELERS)], np.float32)
+    origins = np.tile(np.float32(place), (FEELERS, 1))
+    return float(scene.rays.intersect(origins, directions).distance.min())
 
 
 def _random_direction(rng: np.random.Generator) -> NDArray:

@@ -55,6 +55,20 @@ def test_places_are_inside_the_box_and_see_their_targets(scene: Scene) -> None:
         assert not scene.rays.occluded(origin, direction, 0.99)[0]
 
 
+def test_lights_keep_off_the_surfaces(scene: Scene) -> None:
+    """Asked of many more rays than the probes ask; a lamp keeps its whole self off."""
+    rng = np.random.default_rng(3)
+    directions = rng.normal(size=(4096, 3))
+    directions = (directions / np.linalg.norm(directions, axis=1, keepdims=True)).astype(np.float32)
+    for edit in held_out_edits(scene, 12, seed=1):
+        moved = changes(edit)[-1]
+        (light,) = (x for x in edited_lights(scene.lights, [moved]) if x.id == moved["id"])
+        radius = 0.5 * np.hypot(getattr(light, "width", 0), getattr(light, "height", 0))
+        origins = np.tile(np.float32(moved["position"]), (len(directions), 1))
+        nearest = scene.rays.intersect(origins, directions).distance.min()
+        assert nearest > 0.9 * (0.03 * scene.diagonal + radius)
+
+
 def test_a_camera_that_sees_nothing_is_said_so(scene: Scene) -> None:
     away = scene.camera.model_copy(update={"target": (0.278, 0.273, -9.0)})
     with pytest.raises(SceneError, match="sees nothing"):
