@@ -27,8 +27,8 @@ from engine.scene.scene import Scene
 # Offsets of the four sub-samples from the pixel's centre, in pixels.
 SUBSAMPLES = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])
 
-# A finer grid, for what changes from frame to frame: the edges of shadows and of lamps. It keeps
-# to the square of the sub-samples, beyond which nobody has looked whether the surface goes on.
+# A finer grid, for what changes from frame to frame: edges of shadows. It keeps to the square of
+# the sub-samples, beyond which nobody has looked whether the surface goes on.
 FINE = np.array([[i / 4, j / 4] for j in (-1, 0, 1) for i in (-1, 0, 1)])
 
 # Sub-samples belong together where their normals agree to about 8 degrees and they lie within
