@@ -31,6 +31,10 @@ DENSE = 0.02
 ENOUGH = 20
 # Rays that ask whether a sample of an exposed side looks out on exposed sides itself.
 LOOKS = 16
+# Surfaces nearer than this, in sizes of the scene, do not count as an outlook: in cracks and behind
+# mouldings there is hardly any light, and a cluster that mixes it with what is lit in front passes
+# on too little.
+CLOSE = 0.02
 
 
 def exposed_sides(scene: Scene, points: Points, seed: int) -> NDArray[np.bool_]:
@@ -82,7 +86,7 @@ def looks_out(
     sides: NDArray[np.bool_],
     seed: int,
 ) -> NDArray[np.bool_]:
-    """(n,) bool: whether points see exposed sides or the sky, by LOOKS rays each.
+    """(n,) bool: whether points see exposed sides some way off or the sky, by LOOKS rays each.
 
     What lies between a wall and its back, or beyond the room, belongs to a triangle that is exposed
     elsewhere and still passes no light to the picture.
@@ -98,7 +102,8 @@ def looks_out(
         )  # fmt: skip
         found = scene.rays.intersect(origin, direction)
         side, _, _ = _sides_met(scene, found, direction)
-        seen[todo] = (found.triangle < 0) | sides[found.triangle, side]
+        far = found.distance > CLOSE * scene.diagonal
+        seen[todo] = (found.triangle < 0) | (sides[found.triangle, side] & far)
     return seen
 
 
