@@ -36,7 +36,7 @@ class Material(Description):
     emission: Radiance = Field((0.0, 0.0, 0.0), description="radiance emitted, W·sr⁻¹·m⁻²")
 
     def row(self) -> NDArray[np.float32]:
-        """(ROW,) float32 parameters for the kernels."""
+        """(ROW,) float32 parameters for the kernels; every kind has its own."""
         raise NotImplementedError
 
     def _fill(

@@ -45,7 +45,7 @@ class Light(Description):
     has_extent: ClassVar[bool] = False
 
     def row(self) -> NDArray[np.float32]:
-        """(ROW,) float32 parameters for the kernels."""
+        """(ROW,) float32 parameters for the kernels; every kind has its own."""
         raise NotImplementedError
 
 
