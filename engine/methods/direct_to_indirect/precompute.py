@@ -22,7 +22,7 @@ from engine.methods.fixed_view.view import View
 from engine.scene.scene import Scene
 from engine.store import Store
 
-VERSION = 7  # of the stored arrays and of what they mean
+VERSION = 8  # of the stored arrays and of what they mean
 
 # Settings that the matrices do not depend on.
 AT_RUN_TIME = ("bounces",)

@@ -29,11 +29,11 @@ BOUNCES = 6
 DENSE = 0.02
 # Below so many expected hits, a triangle's own count says too little and its piece of mesh decides.
 ENOUGH = 20
-# Rays that ask whether a sample of an exposed side looks out on exposed sides itself.
-LOOKS = 16
-# Surfaces nearer than this, in sizes of the scene, do not count as an outlook: in cracks and behind
+# Rays that ask whether a sample of an exposed side looks out on exposed sides itself, and how many
+# of them must find one that is not nearer than CLOSE, in sizes of the scene. In cracks and behind
 # mouldings there is hardly any light, and a cluster that mixes it with what is lit in front passes
-# on too little.
+# on too little. In the corner of three walls a quarter of them do.
+LOOKS, OUTLOOKS = 16, 4
 CLOSE = 0.02
 
 
@@ -91,20 +91,17 @@ def looks_out(
     What lies between a wall and its back, or beyond the room, belongs to a triangle that is exposed
     elsewhere and still passes no light to the picture.
     """
-    seen = np.zeros(len(position), np.bool_)
+    n = len(position)
+    found = np.zeros(n, np.uint8)
+    origin, direction = np.zeros((n, 3), np.float32), np.zeros((n, 3), np.float32)
     for look in range(LOOKS):
-        todo = np.flatnonzero(~seen)
-        n = len(todo)
-        origin, direction = np.zeros((n, 3), np.float32), np.zeros((n, 3), np.float32)
-        for_ranges(
-            _cosine_rays, n, position[todo], normal[todo], scene.rays.epsilon, seed + look, origin,
-            direction,
-        )  # fmt: skip
-        found = scene.rays.intersect(origin, direction)
-        side, _, _ = _sides_met(scene, found, direction)
-        far = found.distance > CLOSE * scene.diagonal
-        seen[todo] = (found.triangle < 0) | (sides[found.triangle, side] & far)
-    return seen
+        args = (position, normal, scene.rays.epsilon, seed + look, origin, direction)
+        for_ranges(_cosine_rays, n, *args)
+        hits = scene.rays.intersect(origin, direction)
+        side, _, _ = _sides_met(scene, hits, direction)
+        far = hits.distance > CLOSE * scene.diagonal
+        found += (hits.triangle < 0) | (sides[hits.triangle, side] & far)
+    return found >= OUTLOOKS
 
 
 def _sides_met(
