@@ -164,6 +164,26 @@ def test_a_thin_sheet_has_samples_on_both_sides():
         assert abs(side.sum() - 4096 / 26) < 8
 
 
+def test_hardly_a_sample_in_a_narrow_slot():
+    """What lies behind a picture on the wall is dark and sends nothing to the room."""
+    slot = 0.015
+    hung = scene(
+        camera=camera(position=[0, 0, 0.9]),
+        objects=[
+            {"name": "room", "mesh": {"shape": "box", "size": [2, 2, 2]}},
+            rectangle("picture", [1.6, 1.6], [0, 0, slot - 1]),
+        ],
+    )
+    points = cloud_of(hung, 4096).points
+    x, y, z = points.position.T
+    deep = (np.abs(x) < 0.65) & (np.abs(y) < 0.65) & (z < slot / 2 - 1)
+    behind = (
+        (np.abs(x) < 0.65) & (np.abs(y) < 0.65) & (z < 2 * slot - 1) & (points.normal[:, 2] < -0.5)
+    )
+    # By area it would be 3.4 of 29 m², 480 samples.
+    assert (deep | behind).sum() < 15
+
+
 def test_a_million_to_one():
     """Triangles of 1 mm² and of 1 m² beside each other: the small ones get what they are worth."""
     small = 1e-3
