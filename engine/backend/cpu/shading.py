@@ -10,15 +10,19 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from engine.brdf import base as brdf
 from engine.brdf import table as brdfs
+from engine.light import base as light_contract
 from engine.light import table as lights
 from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
-from engine.numerics.vec import add, dot, scale, sub, vec
+from engine.numerics.vec import add, dot, scale, sub, tuple_of, vec
 from engine.scene.rays import RayTracer
 
 evaluate = brdfs.evaluate
 illuminate = lights.illuminate
+brdf_row = tuple_of(brdf.ROW)
+light_row = tuple_of(light_contract.ROW)
 
 # DARK: the light does not reach the point even without shadows. Of a light with extent both may
 # hold: HIDDEN | VISIBLE.
@@ -87,6 +91,7 @@ def _unshadowed(
     groups, per_point = samples.shape[0], samples.shape[1]
     share = 1.0 / per_point
     count = 0
+    lamp = light_row(light.reshape(1, -1), 0)
     for j in range(start, stop):
         i = at[j]
         if model[i] < 0:
@@ -95,7 +100,7 @@ def _unshadowed(
         group = phase[i] % groups
         for k in range(per_point):
             u1, u2 = samples[group, k, 0], samples[group, k, 1]
-            wx, wy, wz, distance, r, gr, b = illuminate(kind, light, x, u1, u2)
+            wx, wy, wz, distance, r, gr, b = illuminate(kind, lamp, x, u1, u2)
             w = (wx, wy, wz)
             cosine = dot(n, w)
             # A light under the flat triangle cannot reach its upper side, whatever the shading
@@ -103,7 +108,8 @@ def _unshadowed(
             if cosine <= 0.0 or dot(g, w) <= 0.0 or r + gr + b <= 0.0:
                 continue
             s, t = tangents(n)
-            f = evaluate(model[i], row[i], to_local(w, s, t, n), to_local(vec(view, i), s, t, n))
+            wi, wo = to_local(w, s, t, n), to_local(vec(view, i), s, t, n)
+            f = evaluate(model[i], brdf_row(row, i), wi, wo)
             if f[0] + f[1] + f[2] <= 0.0:
                 continue
             value[count, 0] = f[0] * r * cosine * share
