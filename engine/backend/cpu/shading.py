@@ -24,9 +24,9 @@ illuminate = lights.illuminate
 brdf_row = tuple_of(brdf.ROW)
 light_row = tuple_of(light_contract.ROW)
 
-# DARK: the light does not reach the point even without shadows. Of a light with extent both may
-# hold: HIDDEN | VISIBLE.
-DARK, HIDDEN, VISIBLE = 0, 1, 2
+# Of a light with extent both may hold: HIDDEN | VISIBLE. What the surface turns away from, or
+# shines elsewhere, is hidden too. Where there is no surface, or a black one, neither holds.
+HIDDEN, VISIBLE = 1, 2
 CHUNK = 32768
 
 
@@ -52,7 +52,7 @@ def light_points(
     """
     n, per_point = len(position), samples.shape[1]
     radiance = np.zeros((n, 3), np.float32)
-    visible = np.full(n, DARK, np.uint8)
+    visible = np.zeros(n, np.uint8)
 
     def part(start: int, stop: int) -> None:
         room = (stop - start) * per_point
@@ -60,7 +60,7 @@ def light_points(
         index = np.zeros(room, np.int32)
         count = _unshadowed(
             start, stop, at, position, normal, geometric, view, model, row, phase, kind, light,
-            samples, rays.epsilon, value, origin, direction, index,
+            samples, rays.epsilon, value, origin, direction, index, visible,
         )  # fmt: skip
         blocked = rays.occluded(origin[:count], direction[:count], 1.0)
         _add_visible(index[:count], value, blocked, radiance, visible)
@@ -86,7 +86,7 @@ def shadow_ray(x, g, w, distance, epsilon):
 @njit(cache=True, nogil=True)
 def _unshadowed(
     start, stop, at, position, normal, geometric, view, model, row, phase, kind, light, samples,
-    epsilon, value, origin, direction, index,
+    epsilon, value, origin, direction, index, visible,
 ):  # fmt: skip
     groups, per_point = samples.shape[0], samples.shape[1]
     share = 1.0 / per_point
@@ -106,6 +106,7 @@ def _unshadowed(
             # A light under the flat triangle cannot reach its upper side, whatever the shading
             # normal.
             if cosine <= 0.0 or dot(g, w) <= 0.0 or r + gr + b <= 0.0:
+                visible[j] |= HIDDEN
                 continue
             s, t = tangents(n)
             wi, wo = to_local(w, s, t, n), to_local(vec(view, i), s, t, n)
@@ -153,20 +154,22 @@ def _average(start, stop, pixel, samples, image):
 
 
 def light_edges(
-    visible: NDArray[np.uint8], skip: NDArray[np.bool_], width: int
+    visible: NDArray[np.uint8], skip: NDArray[np.bool_], width: int, reach: int = 1
 ) -> NDArray[np.int32]:
-    """Pixels (m,) int32 where light ends: in part in it, or a neighbour of four is lit otherwise.
+    """Pixels (m,) int32 where light ends: HIDDEN and VISIBLE both hold within `reach` steps.
 
-    visible (n,) uint8 from `light_points`; pixels of `skip` (n,) bool are left out.
+    visible (n,) uint8 from `light_points`, a step leads to one of four neighbours; pixels of `skip`
+    (n,) bool are left out.
     """
     lit = visible.reshape(-1, width)
-    at_edge = lit == HIDDEN | VISIBLE
-    across, down = lit[:, 1:] != lit[:, :-1], lit[1:] != lit[:-1]
-    at_edge[:, 1:] |= across
-    at_edge[:, :-1] |= across
-    at_edge[1:] |= down
-    at_edge[:-1] |= down
-    return np.flatnonzero(at_edge.ravel() & ~skip).astype(np.int32)
+    for _ in range(reach):
+        near = lit.copy()
+        near[:, 1:] |= lit[:, :-1]
+        near[:, :-1] |= lit[:, 1:]
+        near[1:] |= lit[:-1]
+        near[:-1] |= lit[1:]
+        lit = near
+    return np.flatnonzero((lit.ravel() == HIDDEN | VISIBLE) & ~skip).astype(np.int32)
 
 
 def on_tangent_planes(

@@ -10,7 +10,13 @@ from numpy.typing import NDArray
 
 from engine.backend.cpu.environment import environment_on_points
 from engine.backend.cpu.penumbra import alike_neighbours
-from engine.backend.cpu.shading import average, light_edges, neighbour_ray
+from engine.backend.cpu.shading import (
+    HIDDEN,
+    VISIBLE,
+    average,
+    light_edges,
+    neighbour_ray,
+)
 from engine.brdf import albedo
 from engine.light import environment as environments
 from engine.light import table as lights
@@ -122,7 +128,7 @@ class View:
         seen = np.zeros((len(points), 4), np.float32)
         for_ranges(_see_lamp, len(points), everywhere, *args, np.zeros((1, 2)), seen)
         if scale == 1:
-            hit = seen[:, 3].astype(np.uint8)
+            hit = np.where(seen[:, 3] > 0, VISIBLE, HIDDEN).astype(np.uint8)
             edge = light_edges(hit, np.zeros(len(hit), np.bool_), width)
             fine = np.zeros((len(edge), 4), np.float32)
             for_ranges(_see_lamp, len(edge), edge, *args, OVER_PIXEL, fine)
