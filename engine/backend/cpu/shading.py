@@ -24,8 +24,8 @@ illuminate = lights.illuminate
 brdf_row = tuple_of(brdf.ROW)
 light_row = tuple_of(light_contract.ROW)
 
-# Of a light with extent both may hold: HIDDEN | VISIBLE. What the surface turns away from, or
-# shines elsewhere, is hidden too. Where there is no surface, or a black one, neither holds.
+# Of a light with extent both may hold: HIDDEN | VISIBLE. Hidden too is a light that shines elsewhere
+# or that the surface turns away from, as a whole. Where there is no surface, neither holds.
 HIDDEN, VISIBLE = 1, 2
 CHUNK = 32768
 
@@ -97,7 +97,7 @@ def _unshadowed(
         if model[i] < 0:
             continue
         x, n, g = vec(position, j), vec(normal, i), vec(geometric, i)
-        group = phase[i] % groups
+        group, first = phase[i] % groups, count
         for k in range(per_point):
             u1, u2 = samples[group, k, 0], samples[group, k, 1]
             wx, wy, wz, distance, r, gr, b = illuminate(kind, lamp, x, u1, u2)
@@ -106,7 +106,6 @@ def _unshadowed(
             # A light under the flat triangle cannot reach its upper side, whatever the shading
             # normal.
             if cosine <= 0.0 or dot(g, w) <= 0.0 or r + gr + b <= 0.0:
-                visible[j] |= HIDDEN
                 continue
             s, t = tangents(n)
             wi, wo = to_local(w, s, t, n), to_local(vec(view, i), s, t, n)
@@ -122,6 +121,8 @@ def _unshadowed(
                 direction[count, c] = d[c]
             index[count] = j
             count += 1
+        if count == first:
+            visible[j] = HIDDEN
     return count
 
 

@@ -23,7 +23,7 @@ from engine.scene.rays import RayTracer
 # them: neighbours ask different ones, and in a picture they are averaged afterwards.
 PER_PIXEL, PER_SUBSAMPLE, PER_PENUMBRA_PIXEL = 2, 4, 16
 # Pixels from the end of the light on which more of it is asked: what neighbours found counts too.
-PENUMBRA_REACH = 2
+PENUMBRA_REACH = 3
 KEPT_BYTES = 256e6
 KEPT_LAMPS = 24
 
