@@ -24,8 +24,8 @@ illuminate = lights.illuminate
 brdf_row = tuple_of(brdf.ROW)
 light_row = tuple_of(light_contract.ROW)
 
-# Of a light with extent both may hold: HIDDEN | VISIBLE. Hidden too is a light that shines elsewhere
-# or that the surface turns away from, as a whole. Where there is no surface, neither holds.
+# Of a light with extent both may hold: HIDDEN | VISIBLE. Hidden too is a light that shines
+# elsewhere, or that the surface turns away from as a whole. No surface: neither holds.
 HIDDEN, VISIBLE = 1, 2
 CHUNK = 32768
 
