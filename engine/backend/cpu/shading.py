@@ -10,19 +10,23 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from engine.brdf import base as brdf
 from engine.brdf import table as brdfs
+from engine.light import base as light_contract
 from engine.light import table as lights
 from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
-from engine.numerics.vec import add, dot, scale, sub, vec
+from engine.numerics.vec import add, dot, scale, sub, tuple_of, vec
 from engine.scene.rays import RayTracer
 
 evaluate = brdfs.evaluate
 illuminate = lights.illuminate
+brdf_row = tuple_of(brdf.ROW)
+light_row = tuple_of(light_contract.ROW)
 
-# DARK: the light does not reach the point even without shadows. Of a light with extent both may
-# hold: HIDDEN | VISIBLE.
-DARK, HIDDEN, VISIBLE = 0, 1, 2
+# Of a light with extent both may hold: HIDDEN | VISIBLE. Hidden too is a light that shines
+# elsewhere, or that the surface turns away from as a whole. No surface: neither holds.
+HIDDEN, VISIBLE = 1, 2
 CHUNK = 32768
 
 
@@ -48,7 +52,7 @@ def light_points(
     """
     n, per_point = len(position), samples.shape[1]
     radiance = np.zeros((n, 3), np.float32)
-    visible = np.full(n, DARK, np.uint8)
+    visible = np.zeros(n, np.uint8)
 
     def part(start: int, stop: int) -> None:
         room = (stop - start) * per_point
@@ -56,7 +60,7 @@ def light_points(
         index = np.zeros(room, np.int32)
         count = _unshadowed(
             start, stop, at, position, normal, geometric, view, model, row, phase, kind, light,
-            samples, rays.epsilon, value, origin, direction, index,
+            samples, rays.epsilon, value, origin, direction, index, visible,
         )  # fmt: skip
         blocked = rays.occluded(origin[:count], direction[:count], 1.0)
         _add_visible(index[:count], value, blocked, radiance, visible)
@@ -82,20 +86,21 @@ def shadow_ray(x, g, w, distance, epsilon):
 @njit(cache=True, nogil=True)
 def _unshadowed(
     start, stop, at, position, normal, geometric, view, model, row, phase, kind, light, samples,
-    epsilon, value, origin, direction, index,
+    epsilon, value, origin, direction, index, visible,
 ):  # fmt: skip
     groups, per_point = samples.shape[0], samples.shape[1]
     share = 1.0 / per_point
     count = 0
+    lamp = light_row(light.reshape(1, -1), 0)
     for j in range(start, stop):
         i = at[j]
         if model[i] < 0:
             continue
         x, n, g = vec(position, j), vec(normal, i), vec(geometric, i)
-        group = phase[i] % groups
+        group, first = phase[i] % groups, count
         for k in range(per_point):
             u1, u2 = samples[group, k, 0], samples[group, k, 1]
-            wx, wy, wz, distance, r, gr, b = illuminate(kind, light, x, u1, u2)
+            wx, wy, wz, distance, r, gr, b = illuminate(kind, lamp, x, u1, u2)
             w = (wx, wy, wz)
             cosine = dot(n, w)
             # A light under the flat triangle cannot reach its upper side, whatever the shading
@@ -103,7 +108,8 @@ def _unshadowed(
             if cosine <= 0.0 or dot(g, w) <= 0.0 or r + gr + b <= 0.0:
                 continue
             s, t = tangents(n)
-            f = evaluate(model[i], row[i], to_local(w, s, t, n), to_local(vec(view, i), s, t, n))
+            wi, wo = to_local(w, s, t, n), to_local(vec(view, i), s, t, n)
+            f = evaluate(model[i], brdf_row(row, i), wi, wo)
             if f[0] + f[1] + f[2] <= 0.0:
                 continue
             value[count, 0] = f[0] * r * cosine * share
@@ -115,6 +121,8 @@ def _unshadowed(
                 direction[count, c] = d[c]
             index[count] = j
             count += 1
+        if count == first:
+            visible[j] = HIDDEN
     return count
 
 
@@ -147,20 +155,22 @@ def _average(start, stop, pixel, samples, image):
 
 
 def light_edges(
-    visible: NDArray[np.uint8], skip: NDArray[np.bool_], width: int
+    visible: NDArray[np.uint8], skip: NDArray[np.bool_], width: int, reach: int = 1
 ) -> NDArray[np.int32]:
-    """Pixels (m,) int32 where light ends: in part in it, or a neighbour of four is lit otherwise.
+    """Pixels (m,) int32 where light ends: HIDDEN and VISIBLE both hold within `reach` steps.
 
-    visible (n,) uint8 from `light_points`; pixels of `skip` (n,) bool are left out.
+    visible (n,) uint8 from `light_points`, a step leads to one of four neighbours; pixels of `skip`
+    (n,) bool are left out.
     """
     lit = visible.reshape(-1, width)
-    at_edge = lit == HIDDEN | VISIBLE
-    across, down = lit[:, 1:] != lit[:, :-1], lit[1:] != lit[:-1]
-    at_edge[:, 1:] |= across
-    at_edge[:, :-1] |= across
-    at_edge[1:] |= down
-    at_edge[:-1] |= down
-    return np.flatnonzero(at_edge.ravel() & ~skip).astype(np.int32)
+    for _ in range(reach):
+        near = lit.copy()
+        near[:, 1:] |= lit[:, :-1]
+        near[:, :-1] |= lit[:, 1:]
+        near[1:] |= lit[:-1]
+        near[:-1] |= lit[1:]
+        lit = near
+    return np.flatnonzero((lit.ravel() == HIDDEN | VISIBLE) & ~skip).astype(np.int32)
 
 
 def on_tangent_planes(

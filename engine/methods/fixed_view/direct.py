@@ -21,8 +21,9 @@ from engine.scene.rays import RayTracer
 
 # A light with extent shines from an 8 x 8 grid of its points. No point of a surface asks all of
 # them: neighbours ask different ones, and in a picture they are averaged afterwards.
-PER_PIXEL, PER_PENUMBRA_PIXEL = 4, 16
-PER_COARSE_PIXEL = 2  # while the hand moves
+PER_PIXEL, PER_SUBSAMPLE, PER_PENUMBRA_PIXEL = 2, 4, 16
+# Pixels from the end of the light on which more of it is asked: what neighbours found counts too.
+PENUMBRA_REACH = 3
 KEPT_BYTES = 256e6
 KEPT_LAMPS = 24
 
@@ -30,17 +31,18 @@ KEPT_LAMPS = 24
 def light_samples(light: Light, per_point: int) -> NDArray[np.float64]:
     """(groups, k, 2) sample points of a light: one, or a grid in groups of `per_point`.
 
-    Of any four in a row one lies in each quarter of the light, of any sixteen one in each
-    sixteenth, and the first of them have their middle in the light's.
+    The grid is in the order of Sobol's (0, 2)-sequence: of any four in a row one lies in each
+    quarter of the light, of any sixteen one in each sixteenth, of any eight one in each row and
+    column. The lowest digit of y is flipped in half of the rows, by which x and y of the first
+    eight and sixteen are uncorrelated, so that those few average any quadratic almost exactly.
     """
     if not light.has_extent:
         return np.full((1, 1, 2), 0.5)
-    half = np.array([(0, 0), (1, 1), (1, 0), (0, 1)])
-    cells = np.array(
-        [4 * half[q] + 2 * half[(a + b) % 4] + half[b, ::-1]
-         for a in range(4) for b in range(4) for q in range(4)]
-    )  # fmt: skip
-    return ((cells + 0.5) / 8).reshape(-1, per_point, 2)
+    bit = np.arange(64)[:, None] >> np.arange(6) & 1
+    x = bit[:, :3] @ (4, 2, 1)
+    a, b, c = bit.sum(axis=1), bit[:, 1::2].sum(axis=1), bit[:, 2] + bit[:, 3]
+    y = 4 * (a % 2) + 2 * (b % 2) + (a + b + c + 1) % 2
+    return ((np.stack([x, y], axis=1) + 0.5) / 8).reshape(-1, per_point, 2)
 
 
 def light_on_points(rays: RayTracer, points: Points, light: Light) -> NDArray[np.float32]:
@@ -55,7 +57,7 @@ def light_on_pixels(
 
     alike (n,) is from `alike_neighbours`.
     """
-    radiance, _ = _light(rays, points, light, PER_COARSE_PIXEL)
+    radiance, _ = _light(rays, points, light, PER_PIXEL)
     return smooth_penumbrae(radiance, points.row, alike, width) if light.has_extent else radiance
 
 
@@ -65,7 +67,7 @@ def light_on_buffer(rays: RayTracer, buffer: FrameBuffer, light: Light) -> NDArr
     radiance, visible = _light(rays, centre, light, PER_PIXEL)
     skip = np.zeros(len(centre), np.bool_)
     skip[buffer.edge] = True
-    pixel = light_edges(visible, skip, width)
+    pixel = light_edges(visible, skip, width, PENUMBRA_REACH if light.has_extent else 1)
     if light.has_extent:
         # More of the light where some of it is hidden.
         radiance[pixel], _ = _light(
@@ -80,7 +82,7 @@ def light_on_buffer(rays: RayTracer, buffer: FrameBuffer, light: Light) -> NDArr
         )  # fmt: skip
         fine, _ = _light(rays, centre, light, 1, np.repeat(pixel, len(FINE)), places)
         average(pixel, fine, radiance)
-    sub, _ = _light(rays, buffer.sub, light, PER_PIXEL)
+    sub, _ = _light(rays, buffer.sub, light, PER_SUBSAMPLE)
     average(buffer.edge, sub, radiance)
     return radiance
 

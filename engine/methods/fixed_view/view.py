@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -10,7 +11,14 @@ from numpy.typing import NDArray
 
 from engine.backend.cpu.environment import environment_on_points
 from engine.backend.cpu.penumbra import alike_neighbours
-from engine.backend.cpu.shading import average, light_edges, neighbour_ray
+from engine.backend.cpu.shading import (
+    HIDDEN,
+    VISIBLE,
+    average,
+    light_edges,
+    light_row,
+    neighbour_ray,
+)
 from engine.brdf import albedo
 from engine.light import environment as environments
 from engine.light import table as lights
@@ -26,7 +34,7 @@ from engine.methods.fixed_view.direct import (
 )
 from engine.methods.fixed_view.frame_buffer import FrameBuffer, Points, pixel_phase
 from engine.numerics.parallel import for_ranges
-from engine.numerics.vec import dot, sub, vec
+from engine.numerics.vec import dot, scale, sub, vec
 from engine.scene.scene import Scene
 
 emitted_by = lights.emitted
@@ -118,16 +126,18 @@ class View:
         _, width = self.shape(scale)
         args = (table.kind[0], table.row[0], eye, points.view, points.position, points.geometric,
                 points.model, width)  # fmt: skip
-        everywhere = np.arange(len(points), dtype=np.int32)
+        ahead = np.zeros(len(points), np.bool_)
+        for_ranges(_look_for_lamp, len(points), *args[:4], ahead)
+        pixel = np.flatnonzero(ahead).astype(np.int32)
         seen = np.zeros((len(points), 4), np.float32)
-        for_ranges(_see_lamp, len(points), everywhere, *args, np.zeros((1, 2)), seen)
+        seen[pixel] = _see(pixel, np.zeros((1, 2)), args)
         if scale == 1:
-            hit = seen[:, 3].astype(np.uint8)
+            hit = np.full(len(points), HIDDEN, np.uint8)
+            hit[pixel[seen[pixel, 3] > 0]] = VISIBLE
             edge = light_edges(hit, np.zeros(len(hit), np.bool_), width)
-            fine = np.zeros((len(edge), 4), np.float32)
-            for_ranges(_see_lamp, len(edge), edge, *args, OVER_PIXEL, fine)
-            seen[edge] = fine
-        pixel = np.flatnonzero(seen[:, 3])
+            seen[edge] = _see(edge, OVER_PIXEL, args)
+            pixel = np.union1d(pixel, edge)
+        pixel = pixel[seen[pixel, 3] > 0]
         return pixel, seen[pixel, 3:], seen[pixel, :3]
 
     @cached_property
@@ -164,22 +174,40 @@ def _background(start, stop, model, view, table, out):
 
 
 @njit(cache=True, nogil=True)
+def _look_for_lamp(start, stop, kind, row, eye, view, ahead):
+    """Whether the rays through the pixels' centres would meet the lamp in an empty scene."""
+    e, lamp = vec(eye.reshape(1, 3), 0), light_row(row.reshape(1, -1), 0)
+    for i in range(start, stop):
+        distance, _, _, _ = emitted_by(kind, lamp, e, scale(vec(view, i), -1.0))
+        ahead[i] = distance >= 0.0
+
+
+def _see(
+    pixel: NDArray[np.int32], offsets: NDArray[np.float64], args: tuple[Any, ...]
+) -> NDArray[np.float32]:
+    out = np.zeros((len(pixel), 4), np.float32)
+    for_ranges(_see_lamp, len(pixel), pixel, *args, offsets, out)
+    return out
+
+
+@njit(cache=True, nogil=True)
 def _see_lamp(
     start, stop, pixel, kind, row, eye, view, position, geometric, model, width, offsets, out
 ):
     """Fill out (m, 4) with a lamp's mean radiance in pixels and how much of them it covers."""
-    e = vec(eye.reshape(1, 3), 0)
+    e, lamp = vec(eye.reshape(1, 3), 0), light_row(row.reshape(1, -1), 0)
     share = 1.0 / offsets.shape[0]
     for j in range(start, stop):
         i = pixel[j]
-        g = vec(geometric, i)
-        height = dot(sub(vec(position, i), e), g)
         for s in range(offsets.shape[0]):
             d = neighbour_ray(view, i, width, offsets[s, 0], offsets[s, 1])
-            slope = dot(d, g)
+            distance, red, green, blue = emitted_by(kind, lamp, e, d)
+            if distance < 0.0:
+                continue
+            g = vec(geometric, i)
+            slope, height = dot(d, g), dot(sub(vec(position, i), e), g)
             far = height / slope if model[i] >= 0 and slope != 0.0 else 1e30
-            distance, red, green, blue = emitted_by(kind, row, e, d)
-            if 0.0 <= distance < far:
+            if distance < far:
                 out[j, 0] += red * share
                 out[j, 1] += green * share
                 out[j, 2] += blue * share

@@ -53,8 +53,8 @@ def test_as_close_to_the_truth_as_all_samples_in_every_pixel(
     scene = apply(seen.scene, Edits(lights=[*off, LAMP.model_dump()]))
     truth = render_direct(scene, samples=256).image.reshape(-1, 3)
     quick = light_on_buffer(seen.scene.rays, seen.buffer, LAMP)
-    monkeypatch.setattr(direct, "PER_PIXEL", 64)
-    monkeypatch.setattr(direct, "PER_PENUMBRA_PIXEL", 64)
+    for name in ("PER_PIXEL", "PER_SUBSAMPLE", "PER_PENUMBRA_PIXEL"):
+        monkeypatch.setattr(direct, name, 64)
     monkeypatch.setattr(direct, "smooth_penumbrae", lambda radiance, *_: radiance)
     full = light_on_buffer(seen.scene.rays, seen.buffer, LAMP)
 
@@ -99,6 +99,11 @@ def test_samples_cover_the_light_evenly() -> None:
     assert cells(light_samples(LAMP, 4)[:4], 4) == 16
     for per_point in (2, 4, 16):
         np.testing.assert_allclose(light_samples(LAMP, per_point)[:4].mean(axis=(0, 1)), 0.5)
+    # What a block of four has is as wide as the light each way, and leans to neither diagonal.
+    for few in (light_samples(LAMP, 2)[:4], light_samples(LAMP, 4)[:4]):
+        x, y = np.floor(few.reshape(-1, 2) * 8).T
+        assert set(x) == set(y) == set(range(8))
+        assert np.mean((x - 3.5) * (y - 3.5)) == pytest.approx(0)
 
 
 def flat(width: int, height: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
