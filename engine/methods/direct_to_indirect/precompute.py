@@ -9,23 +9,26 @@ from dataclasses import asdict
 import numpy as np
 
 from engine.methods.base import Progress
-from engine.methods.direct_to_indirect.product import NAME, Transfer
+from engine.methods.direct_to_indirect.product import NAME, Transfer, glossy_pixels
 from engine.methods.direct_to_indirect.settings import Settings
 from engine.methods.fixed_view.chunks import run_chunks
 from engine.methods.fixed_view.cloud import GatherCloud, build_cloud, cloud_arrays, cloud_from
 from engine.methods.fixed_view.frame_buffer import Points
-from engine.methods.fixed_view.gather import Job
+from engine.methods.fixed_view.gather import Job, Lobes, cosine_lobes
 from engine.methods.fixed_view.importance import wavelet_importance
 from engine.methods.fixed_view.rows import PackedRows
 from engine.methods.fixed_view.tiles import pixel_tiles, run_tiles
-from engine.methods.fixed_view.view import View
+from engine.methods.fixed_view.view import View, gloss_of
 from engine.scene.scene import Scene
 from engine.store import Store
 
-VERSION = 8  # of the stored arrays and of what they mean
+VERSION = 9  # of the stored arrays and of what they mean
 
 # Settings that the matrices do not depend on.
 AT_RUN_TIME = ("bounces",)
+
+# F_d, F_g and one bounce, in the order that `Transfer` takes them.
+MATRICES = ("final", "gloss", "bounce")
 
 
 def precompute(
@@ -38,7 +41,7 @@ def precompute(
     view = View(scene)
     progress("view samples", 1, 1)
 
-    stored = {name: entry.read(name) for name in ("cloud", "bounce", "final")}
+    stored = {name: entry.read(name) for name in ("cloud", *MATRICES)}
     if stored["cloud"] is None:
         progress("gather cloud", 0, 1)
         cloud = build_cloud(
@@ -52,10 +55,10 @@ def precompute(
 
     # Each matrix is finished before it is stored, its chunks are let go after that.
     rows = {}
-    for name in ("bounce", "final"):
+    for name in MATRICES:
         found = stored[name]
         if found is None:
-            job = _job(scene, settings, view, cloud, final=name == "final")
+            job = _job(name, scene, settings, view, cloud)
             made = run_chunks(job, name, parts, executor, progress)
             meta = {
                 "settings": asdict(settings),
@@ -68,7 +71,7 @@ def precompute(
         else:
             rows[name] = PackedRows(**{f: found.arrays[f] for f in PackedRows._fields})
     parts.remove()
-    return Transfer(view, settings, cloud, rows["final"], rows["bounce"])
+    return Transfer(view, settings, cloud, *(rows[name] for name in MATRICES))
 
 
 def key(scene: Scene, settings: Settings) -> str:
@@ -80,13 +83,29 @@ def key(scene: Scene, settings: Settings) -> str:
     return digest.hexdigest()
 
 
-def _job(scene: Scene, settings: Settings, view: View, cloud: GatherCloud, final: bool) -> Job:
-    points: Points = view.buffer.centre if final else cloud.points
-    if final:
-        tiles = pixel_tiles(scene.camera.width, scene.camera.height)
-        tiles = np.where(points.model[tiles] >= 0, tiles, -1).astype(np.int32)
-    else:
+def _job(name: str, scene: Scene, settings: Settings, view: View, cloud: GatherCloud) -> Job:
+    """The work of one of MATRICES."""
+    bounce, gloss = name == "bounce", name == "gloss"
+    points: Points = cloud.points if bounce else view.buffer.centre
+    if bounce:
         tiles = run_tiles(len(cloud))
+    else:
+        tiles = pixel_tiles(scene.camera.width, scene.camera.height)
+        wanted = glossy_pixels(view) if gloss else points.model >= 0
+        tiles = np.where(wanted[tiles], tiles, -1).astype(np.int32)
+    lobes = cosine_lobes(points.normal)
+    if gloss:
+        lobes = Lobes(points.view, points.model, gloss_of(points.row))
+    counts = {
+        "final": settings.view_rays,
+        "gloss": settings.gloss_rays,
+        "bounce": settings.bounce_rays,
+    }
+    coefficients = {
+        "final": settings.coefficients,
+        "gloss": settings.gloss_coefficients,
+        "bounce": settings.bounce_coefficients,
+    }
     return Job(
         positions=scene.geometry.positions,
         triangles=scene.geometry.triangles,
@@ -98,9 +117,12 @@ def _job(scene: Scene, settings: Settings, view: View, cloud: GatherCloud, final
         leaf_geometric=cloud.points.geometric,
         clusters=cloud.clusters,
         importance=wavelet_importance(scene, cloud, settings.seed),
-        link_size=settings.link_size if final else settings.bounce_link_size,
+        lobes=lobes,
+        # Links know no lobes, so gloss is gathered by rays in any case.
+        count=counts[name] if gloss or settings.gather == "rays" else 0,
+        link_size=settings.bounce_link_size if bounce else settings.link_size,
         patch_size=settings.patch_size,
-        coefficients=settings.coefficients if final else settings.bounce_coefficients,
-        seed=settings.seed + (1 if final else 2),
+        coefficients=coefficients[name],
+        seed=settings.seed + 1 + MATRICES.index(name),
         rays=scene.rays,
     )

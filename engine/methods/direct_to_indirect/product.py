@@ -21,7 +21,7 @@ from engine.methods.fixed_view.direct import light_on_points
 from engine.methods.fixed_view.importance import trial_lights
 from engine.methods.fixed_view.rows import PackedRows
 from engine.methods.fixed_view.tiles import coarse_tiles, pixel_tiles, run_tiles
-from engine.methods.fixed_view.view import View
+from engine.methods.fixed_view.view import Reflectance, View
 from engine.numerics import haar
 from engine.numerics.parallel import for_ranges
 from engine.scene.edits import Edits, edited_lights
@@ -30,11 +30,12 @@ NAME = "direct_to_indirect"
 ENVIRONMENT_SAMPLES = 64
 TRIALS, TAIL_BOUNCES = 11, 24
 MOST_DECAY = 0.99  # a room that keeps more than this of its light per bounce is not believed
+FAINT = 0.02  # a gloss that reflects less than this counts as matt
 NEGLIGIBLE = 0.02  # of the indirect light: what the bounces may miss before the user is told
 
 
 class Transfer:
-    """v = k_d * F (I + P + ... + P^b) g, F and P in wavelet space (eq. 2, 5).
+    """v = (k_d * F_d + k_g * F_g) (I + P + ... + P^b) g, F and P in wavelet space (eq. 2, 5, 6).
 
     P = (albedo / π) G is one bounce within the gather cloud. It is applied b times at run time,
     which costs a few milliseconds, in place of the paper's matrix M of all bounces in colour. The
@@ -47,11 +48,12 @@ class Transfer:
         settings: Settings,
         cloud: GatherCloud,
         final: PackedRows,
+        gloss: PackedRows,
         bounce: PackedRows,
     ) -> None:
-        """Final rows are those of `pixel_tiles`, bounce rows those of `run_tiles`."""
+        """Final and gloss rows are those of `pixel_tiles`, bounce rows those of `run_tiles`."""
         self.view, self._settings, self.cloud = view, settings, cloud
-        self.final, self.bounce = final, bounce
+        self.final, self.gloss, self.bounce = final, gloss, bounce
         camera = view.scene.camera
         self._tiles = {
             1: pixel_tiles(camera.width, camera.height),
@@ -67,12 +69,15 @@ class Transfer:
             ENVIRONMENT_SAMPLES, 11,
         )  # fmt: skip
         self._tail, self._fades = self._trial_bounces()
-        self._glossy = _glossy_share(view)
         # Indirect light meets whole pixels where they have no sub-samples.
-        whole, _ = view.reflectance
-        picture = whole.reshape(camera.height, camera.width, 3)
-        self._reflectance = {1: whole.copy(), 2: picture[::2, ::2].reshape(-1, 3)}
-        self._reflectance[1][view.buffer.edge] = 0
+        self._glossy = glossy_pixels(view)
+        whole = _as_gathered(view.reflectance, self._glossy)
+        self._sub = _as_gathered(view.sub_reflectance, self._glossy[view.buffer.donor])
+        grid = np.arange(len(whole.matt)).reshape(camera.height, camera.width)
+        coarse = grid[::2, ::2].ravel()
+        self._reflectance = {2: Reflectance(*(part[coarse] for part in whole)), 1: whole}
+        for part in whole:
+            part[view.buffer.edge] = 0
 
     @property
     def method(self) -> str:
@@ -86,8 +91,8 @@ class Transfer:
 
     @property
     def bytes(self) -> int:
-        """Bytes of both matrices, all that a frame reads of the transport."""
-        return sum(array.nbytes for rows in (self.final, self.bounce) for array in rows)
+        """Bytes of the matrices, all that a frame reads of the transport."""
+        return sum(array.nbytes for rows in (self.final, self.gloss, self.bounce) for array in rows)
 
     def relight(self, edits: Edits, scale: int = 1) -> Frame:
         """See `engine.methods.base.Product.relight`."""
@@ -112,12 +117,13 @@ class Transfer:
 
         # Final gather, and direct light on view samples.
         with clock("final_gather"):
-            tiles = self._tiles[scale]
-            irradiance = multiply(*self.final, total, tiles, len(view.points(scale)))
+            tiles, n = self._tiles[scale], len(view.points(scale))
+            arriving = multiply(*self.final, total, tiles, n)
+            mirrored = multiply(*self.gloss, total, tiles, n)
         with clock("view_direct"):
             image = view.direct(lights, scale)
         with clock("compose"):
-            self._compose(irradiance, image, scale)
+            self._compose(arriving, mirrored, image, scale)
         height, width = view.shape(scale)
         warnings = self._warnings(missing)
         return Frame(image.reshape(height, width, 3), clock.timings(), warnings)
@@ -177,15 +183,19 @@ class Transfer:
         return np.maximum(np.median(tails, axis=0), 0), np.median(fades, axis=0)
 
     def _compose(
-        self, irradiance: NDArray[np.float32], image: NDArray[np.float32], scale: int
+        self,
+        arriving: NDArray[np.float32],
+        mirrored: NDArray[np.float32],
+        image: NDArray[np.float32],
+        scale: int,
     ) -> None:
         """Add the indirect light to the direct, in place."""
         buffer = self.view.buffer
-        for_ranges(_add_indirect, len(image), irradiance, self._reflectance[scale], image)
+        args = (arriving, mirrored, *self._reflectance[scale], image)
+        for_ranges(_add_indirect, len(image), *args)
         if scale == 1:
-            _, sub = self.view.reflectance
-            args = (buffer.edge, buffer.donor, irradiance, sub, image)
-            for_ranges(_add_at_edges, len(buffer.edge), *args)
+            at_edges = (buffer.edge, buffer.donor, arriving, mirrored, *self._sub, image)
+            for_ranges(_add_at_edges, len(buffer.edge), *at_edges)
 
     def _warnings(self, missing: float) -> tuple[Diagnosis, ...]:
         found = []
@@ -198,13 +208,14 @@ class Transfer:
                     missing,
                 )
             )
-        if self._glossy > NEGLIGIBLE:
+        glossy = float(self._glossy.mean())
+        if glossy > NEGLIGIBLE:
             found.append(
                 Diagnosis(
-                    "gloss_as_diffuse",
-                    f"Glossy surfaces fill {100 * self._glossy:.0f} % of the picture: their "
-                    "highlights follow the lights, but they reflect the room as if they were matt.",
-                    self._glossy,
+                    "gloss_seen_as_matt",
+                    f"Glossy surfaces fill {100 * glossy:.0f} % of the picture: they reflect the "
+                    "room, but what they reflect looks matt in them.",
+                    glossy,
                 )
             )
         return tuple(found)
@@ -215,29 +226,41 @@ def _power(light: NDArray[np.float32]) -> NDArray[np.float64]:
     return light[0].astype(np.float64)
 
 
-def _glossy_share(view: View) -> float:
-    """Share of the pixels on which gloss is a tenth or more of what is reflected."""
-    row = view.buffer.centre.row
-    centre, _ = view.reflectance
-    gloss = centre.sum(axis=1) - row[:, :3].sum(axis=1)
-    return float(np.mean(gloss > 0.1 * np.maximum(centre.sum(axis=1), 1e-6)))
+def glossy_pixels(view: View) -> NDArray[np.bool_]:
+    """(n,) bool: pixels whose gloss gets rows of its own."""
+    return view.reflectance.gloss.max(axis=1) > FAINT
+
+
+def _as_gathered(reflectance: Reflectance, glossy: NDArray[np.bool_]) -> Reflectance:
+    """The gloss of pixels that have no rows for it counted as matt."""
+    matt, gloss = reflectance
+    return Reflectance(
+        np.where(glossy[:, None], matt, matt + gloss), np.where(glossy[:, None], gloss, 0)
+    )
 
 
 @njit(cache=True, nogil=True)
-def _add_indirect(start, stop, irradiance, reflectance, image):
+def _add_indirect(start, stop, arriving, mirrored, matt, gloss, image):
     for i in range(start, stop):
         for c in range(3):
-            # Culled wavelets can leave a little less than no light.
-            image[i, c] += reflectance[i, c] * max(irradiance[i, c], 0.0) * 0.3183098861837907
+            image[i, c] += _reflected(arriving[i, c], mirrored[i, c], matt[i, c], gloss[i, c])
 
 
 @njit(cache=True, nogil=True)
-def _add_at_edges(start, stop, edge, donor, irradiance, reflectance, image):
+def _add_at_edges(start, stop, edge, donor, arriving, mirrored, matt, gloss, image):
     for e in range(start, stop):
         for s in range(4 * e, 4 * e + 4):
+            i = donor[s]
             for c in range(3):
-                light = max(irradiance[donor[s], c], 0.0)
-                image[edge[e], c] += 0.25 * reflectance[s, c] * light * 0.3183098861837907
+                image[edge[e], c] += 0.25 * _reflected(
+                    arriving[i, c], mirrored[i, c], matt[s, c], gloss[s, c]
+                )
+
+
+@njit
+def _reflected(arriving, mirrored, matt, gloss):
+    # Culled wavelets can leave a little less than no light.
+    return (matt * max(arriving, 0.0) + gloss * max(mirrored, 0.0)) * 0.3183098861837907
 
 
 class _Clock:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from engine.errors import InputError
 from engine.numerics.haar import levels
@@ -30,6 +31,22 @@ class Settings:
     """K of eq. 9, the weight of positions against normals, 1 to 1000. The paper takes 20 to 40; in
     rooms 6 loses a fifth less to culling, since clusters then seldom mix walls."""
 
+    gather: Literal["rays", "links"] = "rays"
+    """How rows are found: by rays that land on gather samples, or by the paper's links to clusters
+    (§4.3). See `fixed_view.gather_rays` and `fixed_view.links`."""
+
+    view_rays: int = 377
+    """Rays of a view sample's matt part: 16 to 65,536."""
+
+    gloss_rays: int = 233
+    """Rays of a view sample's glossy part: 16 to 65,536."""
+
+    bounce_rays: int = 233
+    """Rays of a gather sample: 16 to 65,536."""
+
+    gloss_coefficients: int = 100
+    """Wavelets that a view sample keeps for its glossy part: 1 to 4096."""
+
     link_size: float = 0.05
     """Form factor above which a cluster is opened for a view sample: 0.0005 to 1 (§4.3)."""
 
@@ -49,6 +66,10 @@ class Settings:
             ("bounce_coefficients", 1, 4096),
             ("bounces", 0, 64),
             ("position_weight", 1, 1000),
+            ("view_rays", 16, 65536),
+            ("gloss_rays", 16, 65536),
+            ("bounce_rays", 16, 65536),
+            ("gloss_coefficients", 1, 4096),
             ("link_size", 0.0005, 1),
             ("bounce_link_size", 0.0005, 1),
             ("patch_size", 0.05, 2),
@@ -57,6 +78,8 @@ class Settings:
             value = getattr(self, name)
             if not low <= value <= high:
                 raise InputError(f"{value} is not between {low} and {high}", field=name)
+        if self.gather not in ("rays", "links"):
+            raise InputError(f"{self.gather!r} is neither rays nor links", field="gather")
         try:
             levels(self.gather_samples)
         except ValueError as error:

@@ -26,14 +26,12 @@ from numpy.typing import NDArray
 
 from engine.methods.fixed_view.hierarchy import level_of, level_start
 from engine.numerics.borrow import borrow
-from engine.numerics.frames import tangents, to_world
-from engine.numerics.sampling import cosine_hemisphere, uniform
+from engine.numerics.sampling import uniform
 from engine.numerics.vec import add, dot, scale, sub, vec
 
 FLAT = 0.9  # a patch's normals lie within 26 degrees of their mean
 DUST = 0.05  # part of `link_size` below which a patch need be neither narrow nor flat
 MAX_STACK = 128
-GOLDEN = 0.6180339887498949
 MOST_CLOSURE = 4.0
 
 
@@ -127,30 +125,15 @@ def find_links(
 
 
 @njit(cache=True, nogil=True)
-def hemisphere_rays(index, position, normal, geometric, epsilon, seed, count, origin, direction):
-    """`count` cosine-distributed rays from each point of a batch, into (b * count, 3) arrays.
-
-    Their free ends tell how much of the hemisphere is open: see `closure`.
-    """
-    for b in range(index.shape[0]):
-        i = index[b]
-        if i < 0:
-            continue
-        n, g = vec(normal, i), vec(geometric, i)
-        s, t = tangents(n)
-        start = add(vec(position, i), scale(g, epsilon))
-        shift = uniform(seed, i, 1 << 20)
-        for k in range(count):
-            # A rank-one lattice, turned about by a random angle per point.
-            w = cosine_hemisphere((k + 0.5) / count, (k * GOLDEN + shift) % 1.0)
-            d = to_world(w, s, t, n)
-            for c in range(3):
-                origin[b * count + k, c] = start[c]
-                direction[b * count + k, c] = d[c]
+def hide(first, link, weight, blocked):
+    """Take the weight from the patches of links whose shadow ray is blocked (r,)."""
+    for p in range(first[-1]):
+        if blocked[link[p]]:
+            weight[p] = 0.0
 
 
 @njit(cache=True, nogil=True)
-def closure(first, link, cluster, weight, blocked, depth, closed, sure):
+def closure(first, cluster, weight, depth, closed, sure):
     """Scale the rows of a batch in place so that each gathers from all that it sees, no more.
 
     A point's row sums to π times the closed part of its hemisphere, `closed` (b,). Where samples
@@ -160,9 +143,7 @@ def closure(first, link, cluster, weight, blocked, depth, closed, sure):
     for b in range(first.shape[0] - 1):
         total = 0.0
         for p in range(first[b], first[b + 1]):
-            if not blocked[link[p]]:
-                level = level_of(cluster[p])
-                total += weight[p] * (1 << (2 * (depth - level)))
+            total += weight[p] * (1 << (2 * (depth - level_of(cluster[p]))))
         if total <= 0.0:
             continue
         total /= math.pi

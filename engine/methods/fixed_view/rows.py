@@ -69,10 +69,11 @@ def make_scratch(samples: int) -> Scratch:
 
 
 @njit(cache=True, nogil=True)
-def project(first, link, cluster, weight, blocked, depth, scratch, ids, values, starts):
-    """Haar coefficients of the rows of one batch; arguments as in `Links`, V = not blocked.
+def project(first, cluster, weight, depth, scratch, ids, values, starts):
+    """Haar coefficients of the rows of one batch.
 
-    Fills ids, values (q,) and starts (b + 1,): row i owns starts[i] to starts[i + 1]. Returns the
+    Row b sums the clusters first[b] to first[b + 1]; weight (p,) is what each sample of the cluster
+    adds. Fills ids, values (q,) and starts (b + 1,): row i owns starts[i] to starts[i + 1]. Returns the
     number of coefficients, or -1 where the room does not suffice.
     """
     scratch = borrow(scratch)
@@ -83,7 +84,7 @@ def project(first, link, cluster, weight, blocked, depth, scratch, ids, values, 
         # Mark the clusters that are above a visible patch, level by level.
         tail[:] = 0
         for p in range(first[b], first[b + 1]):
-            if blocked[link[p]]:
+            if weight[p] == 0.0:
                 continue
             c = cluster[p]
             level = level_of(c)

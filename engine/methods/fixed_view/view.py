@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -20,6 +20,7 @@ from engine.backend.cpu.shading import (
     neighbour_ray,
 )
 from engine.brdf import albedo
+from engine.brdf.base import DIFFUSE
 from engine.light import environment as environments
 from engine.light import table as lights
 from engine.light.base import Light
@@ -42,6 +43,16 @@ ENVIRONMENT_SAMPLES = 32
 # A lamp ends sharply and far brighter than what is behind it, so its outline gets a finer grid.
 OVER_PIXEL = np.array([[(i - 1.5) / 4, (j - 1.5) / 4] for j in range(4) for i in range(4)])
 ALBEDO_POINTS = 64
+
+
+class Reflectance(NamedTuple):
+    """Directional albedos towards the eye, k_d and k_g of Hašan et al. 2006, eq. 5, 6, times π.
+
+    matt, gloss  (n, 3) float32
+    """
+
+    matt: NDArray[np.float32]
+    gloss: NDArray[np.float32]
 
 
 class View:
@@ -141,25 +152,37 @@ class View:
         return pixel, seen[pixel, 3:], seen[pixel, :3]
 
     @cached_property
-    def reflectance(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Directional albedo (n, 3) of the pixels' centres, and (4m, 3) of the sub-samples.
+    def reflectance(self) -> Reflectance:
+        """Of the pixels' centres, n points: what indirect light meets."""
+        return _reflectance(self.buffer.centre)
 
-        Indirect light meets it as if it were diffuse: `k_d` of Hašan et al. 2006, eq. 5, with the
-        gloss counted in, which keeps its energy and loses its direction.
-        """
-        return _directional_albedo(self.buffer.centre), _directional_albedo(self.buffer.sub)
+    @cached_property
+    def sub_reflectance(self) -> Reflectance:
+        """Of the 4m sub-samples."""
+        return _reflectance(self.buffer.sub)
 
 
-def _directional_albedo(points: Points) -> NDArray[np.float32]:
-    out = points.row[:, :3].copy()
-    out[points.model < 0] = 0
+def _reflectance(points: Points) -> Reflectance:
+    matt = points.row[:, :3].copy()
+    matt[points.model < 0] = 0
+    gloss = np.zeros_like(matt)
     glossy = np.flatnonzero((points.row[:, 3:6].max(axis=1, initial=0) > 0) & (points.model >= 0))
-    cosine = np.einsum("ij,ij->i", points.view[glossy], points.normal[glossy])
-    wo = np.zeros((len(glossy), 3))
-    wo[:, 2] = np.clip(cosine, 1e-3, 1)
-    wo[:, 0] = np.sqrt(1 - wo[:, 2] ** 2)
     if len(glossy):
-        out[glossy] = albedo(points.model[glossy], points.row[glossy], wo, ALBEDO_POINTS)
+        cosine = np.einsum("ij,ij->i", points.view[glossy], points.normal[glossy])
+        wo = np.zeros((len(glossy), 3))
+        wo[:, 2] = np.clip(cosine, 1e-3, 1)
+        wo[:, 0] = np.sqrt(1 - wo[:, 2] ** 2)
+        model, row = points.model[glossy], points.row[glossy]
+        whole = albedo(model, row, wo, ALBEDO_POINTS)
+        gloss[glossy] = albedo(model, gloss_of(row), wo, ALBEDO_POINTS)
+        matt[glossy] = np.maximum(whole - gloss[glossy], 0)
+    return Reflectance(matt, gloss)
+
+
+def gloss_of(row: NDArray[np.float32]) -> NDArray[np.float32]:
+    """BRDF parameters (n, 16) without their diffuse part."""
+    out = row.copy()
+    out[:, DIFFUSE : DIFFUSE + 3] = 0
     return out
 
 

@@ -1,0 +1,103 @@
+"""Final gather by rays: a point shoots them and takes the light of the samples where they land.
+
+The other way besides `links`. Directions follow what the point does with light: the cosine, or the
+glossy lobe of its BRDF. A ray that lands gives its weight to the nearest gather sample, so an entry
+of the row is the share of the lobe in which the sample is seen:
+
+    F_xj = π / N · Σ_k f cos θ / (p a)  over the rays k of N that land nearest to j
+
+with f, p the BRDF of one part alone and the density of its sampler, and a its albedo, so that
+a F / π takes radiance to reflected radiance for matt and glossy parts alike. There is no 1/r² that
+would have to be clamped in corners, and what rays do not see does not count. The price is noise,
+which falls faster than 1/√N because the directions are those of a lattice.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from engine.brdf import table as brdfs
+from engine.brdf.base import ROW, luminance
+from engine.methods.fixed_view.hierarchy import level_start
+from engine.methods.fixed_view.nearest import nearest
+from engine.numerics.borrow import borrow
+from engine.numerics.frames import tangents, to_local, to_world
+from engine.numerics.sampling import uniform
+from engine.numerics.vec import add, cross, dot, normalize, scale, sub, tuple_of, vec
+
+evaluate, sample_direction, density = brdfs.evaluate, brdfs.sample, brdfs.pdf
+brdf_row = tuple_of(ROW)
+GOLDEN = 0.6180339887498949
+SHIFTS = 1 << 20  # dimensions of `uniform` from here on turn the lattice of each point
+
+
+@njit(cache=True, nogil=True)
+def aim(
+    index, position, normal, geometric, view, model, row, epsilon, seed, count, origin, direction,
+    first, weight,
+):  # fmt: skip
+    """Up to `count` rays from each of the points `index` (b,); -1 is no point.
+
+    position, normal, geometric, view (n, 3), model (n,), row (n, 16) as in `Points`, but with one
+    part of the BRDF alone. Fills origin, direction (b * count, 3) and weight (b * count,); row b
+    owns first[b] to first[b + 1]. Returns the number of rays. Rays that the BRDF loses have no
+    place; the weights of a row sum to π all the same.
+    """
+    rays = 0
+    for b in range(index.shape[0]):
+        first[b] = rays
+        i = index[b]
+        if i < 0:
+            continue
+        n, g = vec(normal, i), vec(geometric, i)
+        s, t = tangents(n)
+        p = brdf_row(row, i)
+        wo = to_local(vec(view, i), s, t, n)
+        start = add(vec(position, i), scale(g, epsilon))
+        shift1, shift2 = uniform(seed, i, SHIFTS), uniform(seed, i, SHIFTS + 1)
+        total = 0.0
+        for k in range(count):
+            # A rank-one lattice, shifted for each point.
+            u = ((k + shift1) / count, (k * GOLDEN + shift2) % 1.0, 0.5)
+            wi = sample_direction(model[i], p, wo, u)
+            pdf = density(model[i], p, wi, wo)
+            if wi[2] <= 0.0 or pdf <= 0.0:
+                continue
+            f = evaluate(model[i], p, wi, wo)
+            w = luminance(f) * wi[2] / pdf
+            total += w
+            d = to_world(wi, s, t, n)
+            if dot(d, g) <= 0.0:
+                continue
+            for c in range(3):
+                origin[rays, c] = start[c]
+                direction[rays, c] = d[c]
+            weight[rays] = w
+            rays += 1
+        for r in range(first[b], rays):
+            weight[r] *= math.pi / total
+    first[index.shape[0]] = rays
+    return rays
+
+
+@njit(cache=True, nogil=True)
+def land(grid, depth, positions, triangles, triangle, distance, origin, direction, weight, cluster):
+    """The leaf clusters (r,) of rays that hit `triangle` (r,) at `distance`; others lose weight."""
+    grid = borrow(grid)
+    for r in range(triangle.shape[0]):
+        t = triangle[r]
+        if t < 0:
+            weight[r] = 0.0
+            continue
+        d = vec(direction, r)
+        a = vec(positions, triangles[t, 0])
+        g = normalize(
+            cross(sub(vec(positions, triangles[t, 1]), a), sub(vec(positions, triangles[t, 2]), a))
+        )
+        if dot(g, d) > 0.0:
+            g = scale(g, -1.0)
+        x = add(vec(origin, r), scale(d, np.float64(distance[r])))
+        cluster[r] = level_start(depth) + nearest(grid, x, g)
