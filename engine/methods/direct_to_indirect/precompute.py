@@ -16,7 +16,7 @@ from engine.methods.fixed_view.cloud import GatherCloud, build_cloud, cloud_arra
 from engine.methods.fixed_view.frame_buffer import Points
 from engine.methods.fixed_view.gather import Job, Lobes, cosine_lobes
 from engine.methods.fixed_view.importance import wavelet_importance
-from engine.methods.fixed_view.rows import PackedRows
+from engine.methods.fixed_view.rows import PackedRows, no_rows
 from engine.methods.fixed_view.tiles import pixel_tiles, run_tiles
 from engine.methods.fixed_view.view import View, gloss_of
 from engine.scene.scene import Scene
@@ -27,8 +27,8 @@ VERSION = 9  # of the stored arrays and of what they mean
 # Settings that the matrices do not depend on.
 AT_RUN_TIME = ("bounces",)
 
-# F_d, F_g and one bounce, in the order that `Transfer` takes them.
-MATRICES = ("final", "gloss", "bounce")
+# One bounce, F_d and F_g.
+MATRICES = ("bounce", "final", "gloss")
 
 
 def precompute(
@@ -57,21 +57,24 @@ def precompute(
     rows = {}
     for name in MATRICES:
         found = stored[name]
-        if found is None:
-            job = _job(name, scene, settings, view, cloud)
-            made = run_chunks(job, name, parts, executor, progress)
-            meta = {
-                "settings": asdict(settings),
-                "rays": int(made["rays"].sum()),
-                "kept": float(made["kept"].mean()),
-            }
-            arrays = {field: made[field] for field in PackedRows._fields}
-            entry.write(name, arrays, meta)
-            rows[name] = PackedRows(**arrays)
-        else:
+        if found is not None:
             rows[name] = PackedRows(**{f: found.arrays[f] for f in PackedRows._fields})
+            continue
+        job = _job(name, scene, settings, view, cloud)
+        if (job.tiles < 0).all():
+            rows[name] = no_rows(len(job.tiles))
+            continue
+        made = run_chunks(job, name, parts, executor, progress)
+        meta = {
+            "settings": asdict(settings),
+            "rays": int(made["rays"].sum()),
+            "kept": float(made["kept"].mean()),
+        }
+        arrays = {field: made[field] for field in PackedRows._fields}
+        entry.write(name, arrays, meta)
+        rows[name] = PackedRows(**arrays)
     parts.remove()
-    return Transfer(view, settings, cloud, *(rows[name] for name in MATRICES))
+    return Transfer(view, settings, cloud, rows["bounce"], rows["final"], rows["gloss"])
 
 
 def key(scene: Scene, settings: Settings) -> str:

@@ -47,13 +47,13 @@ class Transfer:
         view: View,
         settings: Settings,
         cloud: GatherCloud,
+        bounce: PackedRows,
         final: PackedRows,
         gloss: PackedRows,
-        bounce: PackedRows,
     ) -> None:
         """Final and gloss rows are those of `pixel_tiles`, bounce rows those of `run_tiles`."""
         self.view, self._settings, self.cloud = view, settings, cloud
-        self.final, self.gloss, self.bounce = final, gloss, bounce
+        self.bounce, self.final, self.gloss = bounce, final, gloss
         camera = view.scene.camera
         self._tiles = {
             1: pixel_tiles(camera.width, camera.height),

@@ -44,7 +44,7 @@ class Settings:
     bounce_rays: int = 233
     """Rays of a gather sample: 16 to 65,536."""
 
-    gloss_coefficients: int = 100
+    gloss_coefficients: int = 40
     """Wavelets that a view sample keeps for its glossy part: 1 to 4096."""
 
     link_size: float = 0.05

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from engine.brdf.base import DIFFUSE, ROW
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.table import INDEX
-from engine.methods.fixed_view.gather_rays import aim, land
+from engine.methods.fixed_view.gather_rays import aim, land, settle
 from engine.methods.fixed_view.hierarchy import Clusters
 from engine.methods.fixed_view.links import closure, find_links, hide, room_for_links
 from engine.methods.fixed_view.nearest import Grid, build_grid
@@ -130,7 +130,7 @@ def gather_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
 
 
 Rows = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32], int]
-"""first (b + 1,), cluster, weight (p,) as `rows.project` wants them, and the rays that they took."""
+"""first (b + 1,), cluster, weight (p,) as `rows.project` wants them, and how many rays they took."""
 
 
 class _Rays:
@@ -148,9 +148,11 @@ class _Rays:
         job, origin, direction = self._job, self._origin[:n], self._direction[:n]
         hits = self._tracer.intersect(origin, direction)
         land(
-            _grid(job), job.clusters.depth, job.positions, job.triangles, hits.triangle,
-            hits.distance, origin, direction, self._weight, self._cluster,
+            _grid(job), job.clusters.depth, job.positions, job.triangles, job.leaf_position,
+            job.leaf_geometric, hits.triangle, hits.distance, origin, direction, self._cluster,
         )  # fmt: skip
+        apart = self._tracer.occluded(origin, direction, 1.0)
+        settle(self._first, hits.triangle, apart, self._weight)
         return self._first, self._cluster, self._weight, n
 
     def closed(self, index: NDArray[np.int32]) -> NDArray[np.float64]:

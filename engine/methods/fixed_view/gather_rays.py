@@ -31,6 +31,7 @@ from engine.numerics.vec import add, cross, dot, normalize, scale, sub, tuple_of
 evaluate, sample_direction, density = brdfs.evaluate, brdfs.sample, brdfs.pdf
 brdf_row = tuple_of(ROW)
 GOLDEN = 0.6180339887498949
+LIFT = 0.25  # spacings of samples above the surface, for looking along it
 SHIFTS = 1 << 20  # dimensions of `uniform` from here on turn the lattice of each point
 
 
@@ -43,8 +44,8 @@ def aim(
 
     position, normal, geometric, view (n, 3), model (n,), row (n, 16) as in `Points`, but with one
     part of the BRDF alone. Fills origin, direction (b * count, 3) and weight (b * count,); row b
-    owns first[b] to first[b + 1]. Returns the number of rays. Rays that the BRDF loses have no
-    place; the weights of a row sum to π all the same.
+    owns first[b] to first[b + 1]. Returns the number of rays. The weights of a row sum to π, less
+    those of rays that a shading normal sends under the surface.
     """
     rays = 0
     for b in range(index.shape[0]):
@@ -70,7 +71,7 @@ def aim(
             w = luminance(f) * wi[2] / pdf
             total += w
             d = to_world(wi, s, t, n)
-            if dot(d, g) <= 0.0:
+            if dot(d, g) <= 0.0 or w <= 0.0:
                 continue
             for c in range(3):
                 origin[rays, c] = start[c]
@@ -84,15 +85,24 @@ def aim(
 
 
 @njit(cache=True, nogil=True)
-def land(grid, depth, positions, triangles, triangle, distance, origin, direction, weight, cluster):
-    """The leaf clusters (r,) of rays that hit `triangle` (r,) at `distance`; others lose weight."""
+def land(
+    grid, depth, positions, triangles, leaf_position, leaf_normal, triangle, distance, origin,
+    direction, cluster,
+):  # fmt: skip
+    """Find the leaf clusters (r,) of rays that hit `triangle` (r,) at `distance`.
+
+    In place of the rays, origin and direction then hold the way from there to the leaf's sample,
+    above both surfaces; for rays that hit nothing, a way that nothing blocks.
+    """
     grid = borrow(grid)
+    lift = LIFT * grid.bend
     for r in range(triangle.shape[0]):
-        t = triangle[r]
+        t, d = triangle[r], vec(direction, r)
+        for c in range(3):
+            direction[r, c] = 0.0
+        cluster[r] = 0
         if t < 0:
-            weight[r] = 0.0
             continue
-        d = vec(direction, r)
         a = vec(positions, triangles[t, 0])
         g = normalize(
             cross(sub(vec(positions, triangles[t, 1]), a), sub(vec(positions, triangles[t, 2]), a))
@@ -100,4 +110,29 @@ def land(grid, depth, positions, triangles, triangle, distance, origin, directio
         if dot(g, d) > 0.0:
             g = scale(g, -1.0)
         x = add(vec(origin, r), scale(d, np.float64(distance[r])))
-        cluster[r] = level_start(depth) + nearest(grid, x, g)
+        j = nearest(grid, x, g)
+        cluster[r] = level_start(depth) + j
+        start = add(x, scale(g, lift))
+        end = add(vec(leaf_position, j), scale(vec(leaf_normal, j), lift))
+        way = sub(end, start)
+        for c in range(3):
+            origin[r, c] = start[c]
+            direction[r, c] = way[c]
+
+
+@njit(cache=True, nogil=True)
+def settle(first, triangle, apart, weight):
+    """Take the weight from rays that hit nothing, or whose sample is `apart` (r,) from the hit.
+
+    What a row loses to the latter, which lie beyond a wall, its other hits share.
+    """
+    for b in range(first.shape[0] - 1):
+        landed = kept = 0.0
+        for r in range(first[b], first[b + 1]):
+            if triangle[r] >= 0:
+                landed += weight[r]
+            if triangle[r] < 0 or apart[r]:
+                weight[r] = 0.0
+            kept += weight[r]
+        for r in range(first[b], first[b + 1]):
+            weight[r] *= landed / kept if kept > 0.0 else 0.0

@@ -39,6 +39,16 @@ class PackedRows(NamedTuple):
     steps: NDArray[np.int8]
 
 
+def no_rows(tiles: int) -> PackedRows:
+    """So many tiles of zeros."""
+    return PackedRows(
+        np.zeros(tiles, np.int32),
+        np.zeros(0, np.int32),
+        np.zeros(0, np.float32),
+        np.zeros((0, TILE), np.int8),
+    )
+
+
 class Scratch(NamedTuple):
     """Working memory of one thread, all zero (`slot`: all -1) between tiles.
 
@@ -73,8 +83,8 @@ def project(first, cluster, weight, depth, scratch, ids, values, starts):
     """Haar coefficients of the rows of one batch.
 
     Row b sums the clusters first[b] to first[b + 1]; weight (p,) is what each sample of the cluster
-    adds. Fills ids, values (q,) and starts (b + 1,): row i owns starts[i] to starts[i + 1]. Returns the
-    number of coefficients, or -1 where the room does not suffice.
+    adds. Fills ids, values (q,) and starts (b + 1,): row b owns starts[b] to starts[b + 1]. Returns
+    the number of coefficients, or -1 where the room does not suffice.
     """
     scratch = borrow(scratch)
     tail = np.zeros(depth + 1, np.int64)

@@ -24,7 +24,9 @@ from engine.scene.scene import Scene
 from engine.store import Store
 
 # A chunk is 64 tiles of 64: 1024 samples make one, 96 x 96 pixels three.
-SETTINGS = Settings(gather_samples=1024, coefficients=16, bounce_coefficients=16)
+SETTINGS = Settings(
+    gather_samples=1024, coefficients=16, bounce_coefficients=16, view_rays=64, bounce_rays=64
+)
 SIZE = 96
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -47,7 +49,8 @@ def made(scene: Scene, folder: Path, **more: Any) -> Transfer:
 
 
 def digest(product: Transfer) -> str:
-    arrays = [*product.final, *product.bounce, product.cloud.points.position, product.cloud.albedo]
+    rows = [*product.final, *product.gloss, *product.bounce]
+    arrays = [*rows, product.cloud.points.position, product.cloud.albedo]
     joined = b"".join(a.tobytes() for a in arrays) + product.relight(Edits()).image.tobytes()
     return hashlib.blake2b(joined, digest_size=16).hexdigest()
 
@@ -234,6 +237,11 @@ def test_the_key_knows_what_matters() -> None:
                 ("coefficients", 17),
                 ("bounce_coefficients", 17),
                 ("position_weight", 7.0),
+                ("gloss_coefficients", 17),
+                ("gather", "links"),
+                ("view_rays", 99),
+                ("gloss_rays", 99),
+                ("bounce_rays", 99),
                 ("link_size", 0.06),
                 ("bounce_link_size", 0.11),
                 ("patch_size", 0.4),

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.methods.fixed_view.gather import Job
+from engine.methods.fixed_view.gather import Job, cosine_lobes
 from engine.methods.fixed_view.hierarchy import Clusters, build_order, describe_clusters
-from engine.methods.fixed_view.links import Links, find_links, room_for_links
+from engine.methods.fixed_view.links import Links, find_links, hide, room_for_links
 from engine.methods.fixed_view.rows import TILE, PackedRows, make_scratch, pack, project
 from engine.numerics.haar import forward
 from engine.scene.rays import RayTracer
@@ -76,10 +76,11 @@ def projected(room: Links, blocked: np.ndarray, samples: Cloud):
     ids, values = np.zeros(1 << 19, np.int32), np.zeros(1 << 19, np.float32)
     starts = np.zeros(len(room.first), np.int64)
     scratch = make_scratch(len(samples.position))
+    weight = room.weight.copy()
+    hide(room.first, room.link, weight, blocked)
     count = project(
-        room.first, room.link, room.cluster, room.weight, blocked, samples.clusters.depth, scratch,
-        ids, values, starts,
-    )  # fmt: skip
+        room.first, room.cluster, weight, samples.clusters.depth, scratch, ids, values, starts
+    )
     assert count >= 0, "no room"
     assert not scratch.scaling.any()
     assert not scratch.touched.any()
@@ -124,6 +125,8 @@ def job(samples: Cloud, points: np.ndarray, normals: np.ndarray, rays: RayTracer
     runs = np.arange(len(points), dtype=np.int32).reshape(-1, TILE)
     settings = {
         "importance": np.ones(len(samples.position), np.float32),
+        "lobes": cosine_lobes(np.ascontiguousarray(normals, np.float32)),
+        "count": 0,
         "link_size": LINK,
         "patch_size": PATCH,
         "coefficients": 4096,

@@ -1,0 +1,163 @@
+"""Rows by rays: where they land, what they weigh, and that they tell form factors."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from methods.fixed_view.test_links import parallel
+from methods.scenes import camera, rectangle, scene
+from numba import njit
+
+from engine.brdf import albedo
+from engine.brdf.ggx import Ggx
+from engine.brdf.table import INDEX
+from engine.methods.fixed_view.gather import HEMISPHERE, SURE, Lobes, cosine_lobes
+from engine.methods.fixed_view.gather_rays import aim
+from engine.methods.fixed_view.nearest import Grid, build_grid, nearest
+from engine.numerics.vec import vec
+from engine.scene.scene import Scene
+
+
+@njit
+def nearest_of(grid, places, normals, out):
+    for i in range(len(out)):
+        out[i] = nearest(grid, vec(places, i), vec(normals, i))
+
+
+def found_in(grid: Grid, places: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    out = np.zeros(len(places), np.int64)
+    nearest_of(grid, places, normals, out)
+    return out
+
+
+def unit(rng: np.random.Generator, n: int) -> np.ndarray:
+    v = rng.normal(size=(n, 3))
+    return (v / np.linalg.norm(v, axis=1, keepdims=True)).astype(np.float32)
+
+
+def shoot(points: np.ndarray, normals: np.ndarray, lobes: Lobes, count: int) -> tuple:
+    """(origin, direction, first, weight) of `aim` from points (b, 3)."""
+    n = len(points)
+    origin, direction = np.zeros((2, n * count, 3), np.float32)
+    first, weight = np.zeros(n + 1, np.int32), np.zeros(n * count, np.float32)
+    rays = aim(
+        np.arange(n, dtype=np.int32), points, normals, normals, *lobes, 1e-4, 1, count, origin,
+        direction, first, weight,
+    )  # fmt: skip
+    assert rays == first[-1]
+    return origin[:rays], direction[:rays], first, weight[:rays]
+
+
+@pytest.mark.parametrize("flat", [False, True], ids=["ball", "wall"])
+def test_the_nearest_is_the_nearest_of_all(flat: bool):
+    """By brute force, for places among the samples and far outside of their box."""
+    rng = np.random.default_rng(3)
+    normal = unit(rng, 1024)
+    position = normal + 0.0
+    if flat:
+        position = rng.uniform(-1, 1, (1024, 3)).astype(np.float32)
+        position[:, 2] = 0
+        normal = np.tile(np.float32([0, 0, 1]), (1024, 1))
+    grid = build_grid(position, normal, 4 * np.pi / 1024)
+    places = rng.uniform(-1, 1, (500, 3)).astype(np.float32)
+    places[400:] *= 20
+    facing = unit(rng, 500)
+    found = found_in(grid, places, facing)
+    away = ((position[None] - places[:, None]) ** 2).sum(axis=2, dtype=float)
+    away += grid.bend**2 * ((normal[None] - facing[:, None]) ** 2).sum(axis=2, dtype=float)
+    mine = np.take_along_axis(away, found[:, None], axis=1)[:, 0]
+    np.testing.assert_allclose(mine, away.min(axis=1), rtol=1e-5)
+
+
+def test_each_side_of_a_sheet_finds_its_own_samples():
+    rng = np.random.default_rng(4)
+    position = rng.uniform(-1, 1, (2048, 3)).astype(np.float32)
+    position[:, 2] = 0
+    normal = np.zeros((2048, 3), np.float32)
+    normal[:, 2] = np.where(np.arange(2048) < 1024, 1, -1)
+    grid = build_grid(position, normal, 4 / 1024)
+    places = rng.uniform(-0.9, 0.9, (300, 3)).astype(np.float32)
+    places[:, 2] = 0
+    for side in (1, -1):
+        facing = np.tile(np.float32([0, 0, side]), (300, 1))
+        assert (normal[found_in(grid, places, facing), 2] == side).all()
+
+
+def test_rays_of_a_hemisphere_tell_its_closed_share_to_what_is_said():
+    """A plane through the point leaves (1 + cos t) / 2 of the cosine-weighted hemisphere."""
+    rng = np.random.default_rng(7)
+    n = 512
+    normal, beyond = unit(rng, n), unit(rng, n)
+    position = rng.uniform(-1, 1, (n, 3)).astype(np.float32)
+    origin, direction, first, weight = shoot(position, normal, cosine_lobes(normal), HEMISPHERE)
+    assert (np.diff(first) == HEMISPHERE).all()
+    np.testing.assert_allclose(weight, np.pi / HEMISPHERE, rtol=1e-6)
+    rays = direction.reshape(n, HEMISPHERE, 3).astype(float)
+    np.testing.assert_allclose(np.linalg.norm(rays, axis=2), 1, atol=1e-5)
+    assert (np.einsum("nkc,nc->nk", rays, normal) > 0).all()
+    np.testing.assert_allclose(
+        origin.reshape(n, HEMISPHERE, 3)[:, 5], position + 1e-4 * normal, atol=1e-6
+    )
+    found = (np.einsum("nkc,nc->nk", rays, beyond) > 0).mean(axis=1)
+    off = found - (1 + np.einsum("nc,nc->n", normal, beyond)) / 2
+    error = np.sqrt(np.mean(off**2))
+    assert error <= SURE
+    # It is not far less either: the allowance of the links would be too wide then.
+    assert error > SURE / 3
+    assert abs(off.mean()) < 4 * SURE / np.sqrt(n)
+
+
+@pytest.mark.parametrize("distance", [0.1, 0.5, 2.0])
+def test_point_under_a_square(distance: float):
+    """What rays with their weights see of a square of side 2, against its form factor."""
+    box: Scene = scene(
+        camera=camera(8), objects=[rectangle("square", [2, 2], [0, 0, distance], [0, 180, 0])]
+    )
+    points = np.zeros((16, 3), np.float32)
+    up = np.tile(np.float32([0, 0, 1]), (16, 1))
+    origin, direction, first, weight = shoot(points, up, cosine_lobes(up), 377)
+    hit = box.rays.occluded(origin, direction)
+    seen = np.add.reduceat(weight * hit, first[:-1]) / np.pi
+    # Four quarters of the square, each with a corner over the point.
+    assert seen.mean() == pytest.approx(4 * parallel(1, 1, distance), abs=0.003)
+    assert np.abs(seen - seen.mean()).max() < 0.015
+
+
+@pytest.mark.parametrize("tilt", [0.0, 60.0])
+def test_rays_of_a_lobe_reflect_what_the_lobe_reflects(tilt: float):
+    """Half the world is lit: rays of one row tell its reflected light to that of the BRDF."""
+    n, count = 32, 377
+    material = Ggx(diffuse=(0, 0, 0), specular=(0.6, 0.6, 0.6), roughness=0.5)
+    up = np.tile(np.float32([0, 0, 1]), (n, 1))
+    angle = np.radians(tilt)
+    wo = np.tile(np.float32([np.sin(angle), 0, np.cos(angle)]), (n, 1))
+    row = np.tile(material.row(), (n, 1))
+    lobes = Lobes(wo, np.full(n, INDEX[Ggx], np.int32), row)
+    points = np.zeros((n, 3), np.float32)
+    _, direction, first, weight = shoot(points, up, lobes, count)
+    np.testing.assert_allclose(np.add.reduceat(weight, first[:-1]), np.pi, rtol=1e-5)
+    # By brute force over the hemisphere: what falls in from x < 0, over all.
+    rng = np.random.default_rng(5)
+    wi = unit(rng, 400000).astype(float)
+    wi[:, 2] = np.abs(wi[:, 2])
+    from engine.brdf import evaluate
+
+    f = evaluate(INDEX[Ggx], material.row(), wi, wo[0].astype(float))[:, 0] * wi[:, 2] * 2 * np.pi
+    assert f.mean() == pytest.approx(
+        albedo(INDEX[Ggx], material.row(), wo[0].astype(float))[0, 0], rel=0.02
+    )
+    expected = (f * (wi[:, 0] < -0.2)).mean() / f.mean()
+    seen = np.add.reduceat(weight * (direction[:, 0] < -0.2), first[:-1]) / np.pi
+    assert seen.mean() == pytest.approx(expected, abs=0.01)
+
+
+def test_what_is_no_point_has_no_rays():
+    up = np.tile(np.float32([0, 0, 1]), (4, 1))
+    origin, direction = np.zeros((2, 4 * 16, 3), np.float32)
+    first, weight = np.zeros(5, np.int32), np.zeros(64, np.float32)
+    rays = aim(
+        np.array([0, -1, 2, -1], np.int32), up, up, up, *cosine_lobes(up), 1e-4, 1, 16, origin,
+        direction, first, weight,
+    )  # fmt: skip
+    assert rays == 32
+    assert first.tolist() == [0, 16, 16, 32, 32]
