@@ -61,6 +61,8 @@ class Transfer:
         }
         self._runs = run_tiles(len(cloud))
         self._reflected = cloud.albedo / np.float32(np.pi)
+        even = haar.forward(np.ones((len(cloud), 3), np.float32))
+        self._closed = haar.forward(multiply(*bounce, even, self._runs, len(cloud)))[:, 0].copy()
         # What no light edit changes: surfaces that shine, and the environment.
         points = cloud.points
         self._standing = cloud.emission + environment_on_points(
@@ -158,7 +160,11 @@ class Transfer:
     def _one_bounce(self, light: NDArray[np.float32]) -> NDArray[np.float32]:
         """P light, both (n_g, 3) float32 in wavelets: what the cloud reflects of its own light."""
         radiance = multiply(*self.bounce, light, self._runs, len(light))
-        radiance *= self._reflected
+        # Culling loses some of what should arrive. As transport is reciprocal, that is what every
+        # sample sends, times the share of its own hemisphere that others fill.
+        sent = np.einsum("k,kc->c", self._closed, light, dtype=np.float64)
+        arrived = np.maximum(radiance.sum(axis=0, dtype=np.float64), 1e-30)
+        radiance *= self._reflected * np.clip(sent / arrived, 0.5, 2.0).astype(np.float32)
         return haar.forward(radiance)
 
     def _trial_bounces(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
