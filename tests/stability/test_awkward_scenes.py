@@ -220,9 +220,9 @@ def test_light_through_a_thin_wall(make: Callable[..., Transfer]) -> None:
 def test_a_closed_white_room_loses_what_is_known(make: Callable[..., Transfer]) -> None:
     """Of albedo 0.95, where light bounces 20 times: 1 % lost at every bounce is 16 % in all.
 
-    Rows that sum to what their points see lose next to nothing. This pins how much, so that it is
-    noticed when it changes: at most 1 % of albedo 0.5 and 2.2 % of 0.95 over six seeds, to which
-    the reference's noise adds less than 0.5 %.
+    Rows that sum to what their points see, and bounces that arrive whole however much of the rows
+    is culled, lose next to nothing. This pins how much: 0.2 % of albedo 0.5 and 1.2 % of 0.95, to
+    which the reference's noise adds less than 0.5 %. Without the second it was 1.6 and 4.5 %.
     """
     share = {}
     for albedo in (0.5, 0.95):
@@ -230,5 +230,5 @@ def test_a_closed_white_room_loses_what_is_known(make: Callable[..., Transfer]) 
         truth = render(bright, samples=400)
         product = make(bright, gather_samples=4096)
         share[albedo] = float(product.indirect(Edits()).mean() / truth.indirect.mean())
-    assert 0.985 < share[0.5] < 1.005
-    assert 0.967 < share[0.95] < 1.005
+    assert 0.99 < share[0.5] < 1.01
+    assert 0.98 < share[0.95] < 1.01

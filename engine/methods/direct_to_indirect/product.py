@@ -70,7 +70,7 @@ class Transfer:
             points.model, points.row, environment_table(view.scene.environment),
             ENVIRONMENT_SAMPLES, 11,
         )  # fmt: skip
-        self._tail, self._fades = self._trial_bounces()
+        self._gains, self._tail, self._fades = self._trial_bounces()
         # Indirect light meets whole pixels where they have no sub-samples.
         self._glossy = glossy_pixels(view)
         whole = _as_gathered(view.reflectance, self._glossy)
@@ -144,8 +144,8 @@ class Transfer:
         """
         total, b = g.copy(), g
         before = after = _power(g)
-        for _ in range(self._settings.bounces):
-            b = self._one_bounce(b)
+        for gain in self._gains[: self._settings.bounces]:
+            b = self._one_bounce(b, gain)
             total += b
             before, after = after, _power(b)
         energy = max(float(_power(total).sum()), 1e-30)
@@ -157,36 +157,47 @@ class Transfer:
         off = np.abs(after * self._tail * (fades / np.maximum(self._fades, 1e-30) - 1))
         return total, float(off.sum()) / energy
 
-    def _one_bounce(self, light: NDArray[np.float32]) -> NDArray[np.float32]:
-        """P light, both (n_g, 3) float32 in wavelets: what the cloud reflects of its own light."""
+    def _one_bounce(self, light: NDArray[np.float32], gain: float) -> NDArray[np.float32]:
+        """gain P light, both (n_g, 3) float32 in wavelets: what the cloud reflects of its light."""
         radiance = multiply(*self.bounce, light, self._runs, len(light))
-        # Culling loses some of what should arrive. As transport is reciprocal, that is what every
-        # sample sends, times the share of its own hemisphere that others fill.
-        sent = np.einsum("k,kc->c", self._closed, light, dtype=np.float64)
-        arrived = np.maximum(radiance.sum(axis=0, dtype=np.float64), 1e-30)
-        radiance *= self._reflected * np.clip(sent / arrived, 0.5, 2.0).astype(np.float32)
+        radiance *= np.float32(gain) * self._reflected
         return haar.forward(radiance)
 
-    def _trial_bounces(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """(tail, fades), (3,) float64 each, of the light of trial lights.
+    def _arriving(self, light: NDArray[np.float32]) -> tuple[float, float]:
+        """How much of a light (n_g, 3) in wavelets arrives on the cloud, and how much should.
 
-        tail is the sum of all bounces after the last that is computed, by that one; fades is what
-        that one keeps of the one before.
+        As transport is reciprocal, what should is what every sample sends, times the share of its
+        own hemisphere that others fill.
+        """
+        arrived = multiply(*self.bounce, light, self._runs, len(light))
+        return float(arrived.sum(dtype=np.float64)), float((self._closed @ light).sum())
+
+    def _trial_bounces(self) -> tuple[list[float], NDArray[np.float64], NDArray[np.float64]]:
+        """(gains, tail, fades) of the light of trial lights, the middle ones of each.
+
+        gains, one for every bounce, give back what culling loses of the light that arrives. tail
+        (3,) is the sum of all bounces after the last that is computed, by that one; fades (3,) is
+        what that one keeps of the one before.
         """
         scene, cloud, bounces = self.view.scene, self.cloud, self._settings.bounces
-        tails, fades = [], []
-        for light in trial_lights(scene, cloud, self._settings.seed)[:TRIALS]:
-            b = haar.forward(light_on_points(scene.rays, cloud.points, light))
-            sums = [_power(b)]
-            for _ in range(bounces + TAIL_BOUNCES):
-                b = self._one_bounce(b)
-                sums.append(_power(b))
-            decay = np.clip(sums[-1] / np.maximum(sums[-2], 1e-30), 0, MOST_DECAY)
-            rest = np.sum(sums[bounces + 1 :], axis=0) + sums[-1] * decay / (1 - decay)
-            tails.append(rest / np.maximum(sums[bounces], 1e-30))
-            fades.append(sums[bounces] / np.maximum(sums[max(0, bounces - 1)], 1e-30))
+        lights = [
+            haar.forward(light_on_points(scene.rays, cloud.points, light))
+            for light in trial_lights(scene, cloud, self._settings.seed)[:TRIALS]
+        ]
+        gains, sums = [], [[_power(b) for b in lights]]
+        for _ in range(bounces + TAIL_BOUNCES):
+            arrived, due = np.transpose([self._arriving(b) for b in lights])
+            gains.append(
+                float(np.median(np.where(arrived > 0, due / np.maximum(arrived, 1e-30), 1)))
+            )
+            lights = [self._one_bounce(b, gains[-1]) for b in lights]
+            sums.append([_power(b) for b in lights])
+        power = np.maximum(sums, 1e-30)  # (bounces, lights, 3)
+        decay = np.clip(power[-1] / power[-2], 0, MOST_DECAY)
+        rest = power[bounces + 1 :].sum(axis=0) + power[-1] * decay / (1 - decay)
+        fades = power[bounces] / power[max(0, bounces - 1)]
         # A light in a white cupboard fades far more slowly than most do: no mean, but the middle.
-        return np.maximum(np.median(tails, axis=0), 0), np.median(fades, axis=0)
+        return gains, np.median(rest / power[bounces], axis=0), np.median(fades, axis=0)
 
     def _compose(
         self,

@@ -130,7 +130,7 @@ def gather_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
 
 
 Rows = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32], int]
-"""first (b + 1,), cluster, weight (p,) as `rows.project` wants them, and how many rays they took."""
+"""first (b + 1,), cluster, weight (p,) as `rows.project` wants them, and the rays they took."""
 
 
 class _Rays:

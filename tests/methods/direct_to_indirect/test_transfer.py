@@ -164,7 +164,7 @@ def test_agrees_with_the_reference(make: Make) -> None:
 
 @pytest.mark.parametrize("roughness", [0.25, 0.5, 0.8])
 def test_a_glossy_floor_reflects_the_room(make: Make, roughness: float) -> None:
-    """By rows of its own; as a matt floor it would be off by several times as much."""
+    """By rows of its own, which a matt floor of the same albedo cannot stand for."""
     room = scene(
         camera=camera(32, position=[0, 0.2, 2.2], target=[0, -0.4, 0], fov_y_degrees=45),
         lights=[{"type": "point", "id": "key", "position": [-0.4, 0.3, 0.2], "intensity": [1] * 3}],
@@ -195,10 +195,10 @@ def test_a_glossy_floor_reflects_the_room(make: Make, roughness: float) -> None:
     image, true = product.indirect(Edits())[floor], truth.indirect[floor]
     error, noise = error_and_noise(image, true, truth.indirect_variance[floor])
     assert noise < 0.1
-    matt, gloss = product.view.reflectance
-    as_matt = (image * (matt / np.maximum(matt + gloss, 1e-6)).reshape(32, 32, 3)[floor] * 0) + image
-    print("ERR", roughness, error, noise, image.mean() / true.mean(), floor.sum())
-    assert error < 0.1, f"{error:.3f} off beyond the reference's noise of {noise:.3f}"
+    assert floor.sum() > 150
+    # 0.034, 0.006 and 0.013 were found; the sharper the lobe, the more the samples' spacing shows.
+    assert error < (0.06 if roughness < 0.5 else 0.03), f"{error:.3f} off, noise {noise:.3f}"
+    assert image.mean() / true.mean() == pytest.approx(1, abs=0.03)
 
 
 def test_a_lit_environment_agrees_with_the_reference(make: Make) -> None:
@@ -236,10 +236,13 @@ def test_a_lit_environment_agrees_with_the_reference(make: Make) -> None:
 
 
 def test_more_coefficients_less_error(make: Make) -> None:
-    """Against the same matrices uncut: quantisation is what remains of the error at last."""
+    """Against the same matrices uncut: quantisation is what remains of the error at last.
+
+    Many rays, as the uncut rows hold the noise of few, which culling takes away.
+    """
     small = cornell(32)
     images = {
-        k: make(small, coefficients=k, bounce_coefficients=512).indirect(Edits())
+        k: make(small, coefficients=k, bounce_coefficients=512, view_rays=2584).indirect(Edits())
         for k in (2, 8, 32, 128, 1024)
     }
     errors = [relative(images[k], images[1024]) for k in (2, 8, 32, 128)]
@@ -249,10 +252,20 @@ def test_more_coefficients_less_error(make: Make) -> None:
 
 
 def test_more_bounces_converge(make: Make) -> None:
-    """None is darker; from the first on the last bounce stands for those that follow."""
+    """None is darker; from the first on the last bounce stands for those that follow.
+
+    Uncut, as culling takes half a percent from the first gather of a light so close to a wall.
+    """
     room = white_room(0.7, [POINT])
     energy = np.array(
-        [float(make(room, bounces=b).indirect(Edits()).mean()) for b in (0, 1, 2, 4, 8, 32)]
+        [
+            float(
+                make(room, bounces=b, coefficients=1024, bounce_coefficients=512)
+                .indirect(Edits())
+                .mean()
+            )
+            for b in (0, 1, 2, 4, 8, 32)
+        ]
     )
     off = np.abs(energy / energy[-1] - 1)
     # What has bounced once is 1 - albedo of all.

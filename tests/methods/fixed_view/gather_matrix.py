@@ -124,6 +124,8 @@ def job(samples: Cloud, points: np.ndarray, normals: np.ndarray, rays: RayTracer
     """A job over points in runs of 64, with shadow rays."""
     runs = np.arange(len(points), dtype=np.int32).reshape(-1, TILE)
     settings = {
+        "positions": np.zeros((0, 3), np.float32),
+        "triangles": np.zeros((0, 3), np.int32),
         "importance": np.ones(len(samples.position), np.float32),
         "lobes": cosine_lobes(np.ascontiguousarray(normals, np.float32)),
         "count": 0,
@@ -134,8 +136,6 @@ def job(samples: Cloud, points: np.ndarray, normals: np.ndarray, rays: RayTracer
         **fields,
     }
     return Job(
-        positions=np.zeros((0, 3), np.float32),
-        triangles=np.zeros((0, 3), np.int32),
         tiles=runs,
         position=np.ascontiguousarray(points, np.float32),
         normal=np.ascontiguousarray(normals, np.float32),

@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from methods.fixed_view.gather_matrix import job, square, unpacked
 from methods.fixed_view.test_links import parallel
 from methods.scenes import camera, rectangle, scene
 from numba import njit
 
-from engine.brdf import albedo
+from engine.brdf import albedo, evaluate
 from engine.brdf.ggx import Ggx
 from engine.brdf.table import INDEX
-from engine.methods.fixed_view.gather import HEMISPHERE, SURE, Lobes, cosine_lobes
-from engine.methods.fixed_view.gather_rays import aim
+from engine.methods.fixed_view.gather import (
+    HEMISPHERE,
+    SURE,
+    Lobes,
+    cosine_lobes,
+    gather_chunk,
+)
+from engine.methods.fixed_view.gather_rays import aim, settle
 from engine.methods.fixed_view.nearest import Grid, build_grid, nearest
+from engine.methods.fixed_view.rows import PackedRows
+from engine.numerics.haar import inverse
 from engine.numerics.vec import vec
 from engine.scene.scene import Scene
 
@@ -140,8 +149,6 @@ def test_rays_of_a_lobe_reflect_what_the_lobe_reflects(tilt: float):
     rng = np.random.default_rng(5)
     wi = unit(rng, 400000).astype(float)
     wi[:, 2] = np.abs(wi[:, 2])
-    from engine.brdf import evaluate
-
     f = evaluate(INDEX[Ggx], material.row(), wi, wo[0].astype(float))[:, 0] * wi[:, 2] * 2 * np.pi
     assert f.mean() == pytest.approx(
         albedo(INDEX[Ggx], material.row(), wo[0].astype(float))[0, 0], rel=0.02
@@ -161,3 +168,36 @@ def test_what_is_no_point_has_no_rays():
     )  # fmt: skip
     assert rays == 32
     assert first.tolist() == [0, 16, 16, 32, 32]
+
+
+def test_a_sample_beyond_a_wall_gives_its_share_to_the_others():
+    """Rays 0 to 2 belong to one point, 3 to another, 4 and 5 to a third."""
+    weight = np.array([1, 1, 1, 2, 3, 1], np.float32)
+    triangle = np.array([7, -1, 8, 9, -1, 5], np.int32)
+    apart = np.array([True, False, False, True, False, False])
+    settle(np.array([0, 3, 4, 6], np.int32), triangle, apart, weight)
+    assert weight.tolist() == [0, 0, 2, 0, 0, 1]
+
+
+def test_rows_know_which_side_of_a_wall_they_look_at():
+    """A wall of no thickness between two rooms: no weight on samples of the other room."""
+    rooms = scene(
+        camera=camera(24, position=[-1.9, 0.1, 0.05], target=[0, 0, 0]),
+        objects=[
+            {"name": "rooms", "mesh": {"shape": "box", "size": [4, 2, 2]}},
+            rectangle("wall", [2, 2], [0, 0, 0], [0, 90, 0]),
+        ],
+    )
+    ceiling = square(32, (0, 1, 0), (2, 0, 0), (0, 0, 1), (0, -1, 0))
+    rng = np.random.default_rng(6)
+    floor = np.full((64, 3), -1, np.float32)
+    floor[:, 0], floor[:, 2] = rng.uniform(-1, -0.02, 64), rng.uniform(-1, 1, 64)
+    up = np.tile(np.float32([0, 1, 0]), (64, 1))
+    fields = {"positions": rooms.geometry.positions, "triangles": rooms.geometry.triangles}
+    made = gather_chunk(job(ceiling, floor, up, rooms.rays, count=377, **fields), 0)
+    rows = unpacked(PackedRows(*(made[f] for f in PackedRows._fields)), 1024)
+    sees = inverse(np.ascontiguousarray(rows.T, np.float32)).T
+    beyond = ceiling.position[:, 0] > 0
+    np.testing.assert_allclose(sees.sum(axis=1), np.pi, rtol=0.01)
+    # Coefficients are stored in 127 steps, so a little of either sign is left.
+    assert np.abs(sees[:, beyond].sum(axis=1)).max() < 0.01 * np.pi
