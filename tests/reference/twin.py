@@ -12,6 +12,7 @@ from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
 from engine.light.area import AreaLight
 from engine.light.point import PointLight
+from engine.light.projector import ProjectorLight
 from engine.light.spot import SpotLight
 from engine.scene.scene import Scene
 
@@ -73,6 +74,24 @@ def emitter(light: Any, lamp_albedo: Any) -> dict[str, Any]:
             "intensity": rgb(light.intensity),
             "cutoff_angle": light.cone_degrees,
             "beam_width": light.cone_degrees * (1 - 1e-5),
+        }
+    if isinstance(light, ProjectorLight):
+        image = light.pyramid()
+        texels = image.texels[: image.width * image.height] * np.float32(light.intensity)
+        return {
+            "type": "projector",
+            "to_world": to().look_at(
+                origin=list(light.position), target=list(light.target), up=list(light.up)
+            ),
+            "fov": light.fov_y_degrees,
+            "fov_axis": "y",
+            "scale": 1 / np.pi,
+            "irradiance": {
+                "type": "bitmap",
+                "bitmap": mi.Bitmap(texels.reshape(image.height, image.width, 3)),
+                "raw": True,
+                "wrap_mode": "clamp",
+            },
         }
     assert isinstance(light, AreaLight)
     look = to().look_at(origin=list(light.position), target=list(light.target), up=list(light.up))

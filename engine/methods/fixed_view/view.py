@@ -57,6 +57,7 @@ class View:
         self._coarse = self.buffer.centre.take(np.ascontiguousarray(grid[::2, ::2]).ravel())
         height, width = self.shape(2)
         self._coarse.phase[:] = pixel_phase(width, height)
+        self._coarse.size[:] *= 2
         self._coarse_alike = alike_neighbours(
             self._coarse.position, self._coarse.normal, self._coarse.object, width
         )
