@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from engine.light import area, distant, point, projector, spot
+from engine.light import area, disk, distant, point, projector, sphere, spot
 from engine.light.base import IMAGE, ROW, Light
 from engine.light.pyramid import STEP, Pyramid
 from engine.numerics.dispatch import by_index
@@ -19,6 +19,8 @@ LIGHTS: dict[type[Light], ModuleType] = {
     point.PointLight: point,
     spot.SpotLight: spot,
     area.AreaLight: area,
+    disk.DiskLight: disk,
+    sphere.SphereLight: sphere,
     distant.DistantLight: distant,
     projector.ProjectorLight: projector,
 }

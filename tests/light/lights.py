@@ -9,9 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 from engine.light import table
 from engine.light.area import AreaLight
 from engine.light.base import Light
+from engine.light.disk import DiskLight
 from engine.light.distant import DistantLight
 from engine.light.point import PointLight
 from engine.light.projector import ProjectorLight
+from engine.light.sphere import SphereLight
 from engine.light.spot import SpotLight
 from engine.numerics.vec import vec
 
@@ -31,6 +33,22 @@ EXAMPLES: list[Light] = [
         id="far", position=(800, 900, 0), target=(0, 0, 0), width=0.6, intensity=(3.0, 2.0, 1.0)
     ),
     AreaLight(id="ceiling", position=(0, 1, 0), target=(0, 0, 0), intensity=(3.0, 2.0, 1.0)),
+    DiskLight(
+        id="disk", position=(0.5, 1.5, 0.2), target=(0, 0, 0.7), radius=0.9, intensity=(3, 2, 1)
+    ),
+    # From its rim at a grazing angle, from close by, and from far away.
+    DiskLight(
+        id="rim", position=(0.7, 0.3, 0), target=(0.7, 0, 0), radius=0.6, intensity=(3, 2, 1)
+    ),
+    DiskLight(
+        id="close", position=(0.1, 0.4, 0), target=(0.1, 0, 0), radius=2, intensity=(3, 2, 1)
+    ),
+    DiskLight(
+        id="far disk", position=(800, 900, 0), target=(0, 300, 0), radius=0.5, intensity=(3, 2, 1)
+    ),
+    SphereLight(id="sphere", position=(0.5, 1.5, 0.2), radius=0.4, intensity=(3, 2, 1)),
+    SphereLight(id="close sphere", position=(0.3, 0.7, 0.9), radius=0.8, intensity=(3, 2, 1)),
+    SphereLight(id="far sphere", position=(800, 900, 0), radius=0.5, intensity=(3, 2, 1)),
     ProjectorLight(
         id="projector",
         position=(-0.5, 1.5, 0.7),
