@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from engine.light import area, disk, distant, point, projector, sphere, spot
+from engine.light import area, disk, distant, point, projector, sphere, spot, uberlight
 from engine.light.base import IMAGE, ROW, Light
 from engine.light.pyramid import STEP, Pyramid
 from engine.numerics.dispatch import by_index
@@ -23,6 +23,7 @@ LIGHTS: dict[type[Light], ModuleType] = {
     sphere.SphereLight: sphere,
     distant.DistantLight: distant,
     projector.ProjectorLight: projector,
+    uberlight.UberLight: uberlight,
 }
 
 AnyLight: TypeAlias = Annotated[Union[tuple(LIGHTS)], Field(discriminator="type")]  # type: ignore[valid-type]  # noqa: UP007

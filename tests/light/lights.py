@@ -15,6 +15,7 @@ from engine.light.point import PointLight
 from engine.light.projector import ProjectorLight
 from engine.light.sphere import SphereLight
 from engine.light.spot import SpotLight
+from engine.light.uberlight import UberLight
 from engine.numerics.vec import vec
 
 # Each lamp shines straight or obliquely on the origin.
@@ -54,6 +55,28 @@ EXAMPLES: list[Light] = [
         position=(-0.5, 1.5, 0.7),
         target=(0.1, 0, 0),
         up=(0, 0, 1),
+        intensity=(3.0, 2.0, 1.0),
+    ),
+    UberLight(
+        id="uberlight", position=(0.3, 1.5, 0.7), target=(0.1, 0, 0), intensity=(3.0, 2.0, 1.0)
+    ),
+    UberLight(
+        id="busy",
+        position=(0.3, 1.5, 0.7),
+        target=(0.1, 0, 0),
+        up=(1, 0, 0),
+        parallel=True,
+        roundness=0.4,
+        cut_on=0.2,
+        near_edge=0.1,
+        cut_off=1.2,
+        far_edge=3,
+        falloff_exponent=1.3,
+        most=4,
+        beam_exponent=8,
+        blocker_offset=(0.1, 0.05),
+        blocker_size=(0.1, 0.3),
+        blocker_edge=0.3,
         intensity=(3.0, 2.0, 1.0),
     ),
     DistantLight(id="sun", direction=(1, -3, 2), intensity=(3.0, 2.0, 1.0)),
