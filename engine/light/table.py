@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from engine.light import area, disk, distant, point, projector, sphere, spot, uberlight
+from engine.light import area, disk, distant, point, projector, sphere, spot, sun, uberlight
 from engine.light.base import IMAGE, ROW, Light
 from engine.light.pyramid import STEP, Pyramid
 from engine.numerics.dispatch import by_index
@@ -22,6 +22,7 @@ LIGHTS: dict[type[Light], ModuleType] = {
     disk.DiskLight: disk,
     sphere.SphereLight: sphere,
     distant.DistantLight: distant,
+    sun.SunLight: sun,
     projector.ProjectorLight: projector,
     uberlight.UberLight: uberlight,
 }

@@ -15,6 +15,7 @@ from engine.light.point import PointLight
 from engine.light.projector import ProjectorLight
 from engine.light.sphere import SphereLight
 from engine.light.spot import SpotLight
+from engine.light.sun import SunLight
 from engine.light.uberlight import UberLight
 from engine.numerics.vec import vec
 
@@ -79,6 +80,8 @@ EXAMPLES: list[Light] = [
         blocker_edge=0.3,
         intensity=(3.0, 2.0, 1.0),
     ),
+    SunLight(id="soft sun", direction=(1, -3, 2), diameter_degrees=10, intensity=(3.0, 2.0, 1.0)),
+    SunLight(id="own sun", direction=(-1, -3, 1), intensity=(3.0, 2.0, 1.0)),
     DistantLight(id="sun", direction=(1, -3, 2), intensity=(3.0, 2.0, 1.0)),
 ]
 WIDE = [light for light in EXAMPLES if light.has_extent]

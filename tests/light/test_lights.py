@@ -16,6 +16,7 @@ from engine.light.distant import DistantLight
 from engine.light.point import PointLight
 from engine.light.sphere import SphereLight
 from engine.light.spot import SpotLight
+from engine.light.sun import SunLight
 from engine.light.table import LIGHTS, AnyLight, light_table
 
 FALL_OFF = ("point", "spot", "area", "disk", "sphere", "uberlight")
@@ -118,8 +119,10 @@ def test_samples_carry_radiance_over_density(light: Light) -> None:
         density = pdf(light, x, values[:, :3])
         seen = emitted(light, x, values[:, :3])
         assert (density > 0).all()
-        np.testing.assert_allclose(values[:, 4] * density, light.intensity[0], rtol=1e-5)
-        np.testing.assert_allclose(seen[:, 1:], np.tile(light.intensity, (1000, 1)))
+        radiance = light.row()[6:9]
+        assert isinstance(light, SunLight) or (radiance == light.intensity).all()
+        np.testing.assert_allclose(values[:, 4] * density, radiance[0], rtol=1e-5)
+        np.testing.assert_allclose(seen[:, 1:], np.tile(radiance, (1000, 1)))
         np.testing.assert_allclose(seen[:, 0], values[:, 3], rtol=1e-5)
 
 
@@ -277,9 +280,11 @@ def test_distant_light() -> None:
             {"type": "disk", "position": [1, 2, 3], "target": [1, 2, 3]},
             "the same point",
         ),
+        ({"type": "sun", "direction": [0, 0, 0]}, "direction is zero"),
+        ({"type": "sun", "direction": [0, -1, 0], "diameter_degrees": 0}, "0.01"),
         ({"type": "disk", "position": [0, 0, 0], "target": [1, 0, 0], "radius": 0}, "0.0001"),
         ({"type": "sphere", "position": [0, 0, 0], "radius": -1}, "0.0001"),
-        ({"type": "laser"}, "'point', 'spot', 'area', 'disk', 'sphere', 'distant'"),
+        ({"type": "laser"}, "'point', 'spot', 'area', 'disk', 'sphere', 'distant', 'sun'"),
     ],
 )
 def test_bad_light_says_what(document: dict[str, object], words: str) -> None:
@@ -318,6 +323,9 @@ def _cone_around(light: Light) -> tuple[np.ndarray, np.ndarray, float, float]:
         sine = light.radius / np.linalg.norm(d)
         solid = 4 * math.pi * math.sin(math.asin(sine) / 2) ** 2
         return x, d[0] / np.linalg.norm(d), 1.01 * math.asin(sine), solid
+    if isinstance(light, SunLight):
+        half = math.radians(light.diameter_degrees) / 2
+        return x, -row[3:6], 1.01 * half, 4 * math.pi * math.sin(half / 2) ** 2
     s, t = np.meshgrid(*[(np.arange(800) + 0.5) / 400 - 1] * 2)
     if isinstance(light, AreaLight):
         a, b = s.reshape(-1, 1) * row[15], t.reshape(-1, 1) * row[16]

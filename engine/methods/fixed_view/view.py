@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import Any
 
@@ -207,7 +208,7 @@ def _see_lamp(
                 continue
             g = vec(geometric, i)
             slope, height = dot(d, g), dot(sub(vec(position, i), e), g)
-            far = height / slope if model[i] >= 0 and slope != 0.0 else 1e30
+            far = height / slope if model[i] >= 0 and slope != 0.0 else math.inf
             if distance < far:
                 out[j, 0] += red * share
                 out[j, 1] += green * share
