@@ -84,7 +84,7 @@ def test_light_of_a_clear_day() -> None:
     """Illuminance of a horizontal surface, less as the sun sinks, in thousand lux.
 
     By measured clear skies (IES Lighting Handbook) it is 0.8 + 15.5 √sin(altitude); the model's is
-    about twice that, which is known of it.
+    up to twice that.
     """
     angles = (30, 45, 60, 75)
     found = [irradiance(sky(Sky(sun_direction=direction(z)))) for z in angles]
