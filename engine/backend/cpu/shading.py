@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from engine.brdf import base as brdf
 from engine.brdf import table as brdfs
-from engine.light import base as light_contract
 from engine.light import table as lights
 from engine.light.table import LightTable
 from engine.numerics.borrow import borrow
@@ -24,7 +23,6 @@ from engine.scene.rays import RayTracer
 evaluate = brdfs.evaluate
 illuminate = lights.illuminate
 brdf_row = tuple_of(brdf.ROW)
-light_row = tuple_of(light_contract.ROW)
 
 # Of a light with extent both may hold: HIDDEN | VISIBLE. Hidden too is a light that shines
 # elsewhere, or that the surface turns away from as a whole. No surface: neither holds.
@@ -94,7 +92,7 @@ def _unshadowed(
     groups, per_point = samples.shape[0], samples.shape[1]
     share = 1.0 / per_point
     count = 0
-    lamp, texels = light_row(light.reshape(1, -1), 0), borrow(texels)
+    lamp, texels = borrow(light), borrow(texels)
     for j in range(start, stop):
         i = at[j]
         if model[i] < 0:

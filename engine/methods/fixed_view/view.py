@@ -17,7 +17,6 @@ from engine.backend.cpu.shading import (
     VISIBLE,
     average,
     light_edges,
-    light_row,
     neighbour_ray,
 )
 from engine.brdf import albedo
@@ -34,6 +33,7 @@ from engine.methods.fixed_view.direct import (
     light_on_pixels,
 )
 from engine.methods.fixed_view.frame_buffer import FrameBuffer, Points, pixel_phase
+from engine.numerics.borrow import borrow
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, scale, sub, vec
 from engine.scene.scene import Scene
@@ -178,7 +178,7 @@ def _background(start, stop, model, view, table, out):
 @njit(cache=True, nogil=True)
 def _look_for_lamp(start, stop, kind, row, eye, view, ahead):
     """Whether the rays through the pixels' centres would meet the lamp in an empty scene."""
-    e, lamp = vec(eye.reshape(1, 3), 0), light_row(row.reshape(1, -1), 0)
+    e, lamp = vec(eye.reshape(1, 3), 0), borrow(row)
     for i in range(start, stop):
         distance, _, _, _ = emitted_by(kind, lamp, e, scale(vec(view, i), -1.0))
         ahead[i] = distance >= 0.0
@@ -197,7 +197,7 @@ def _see_lamp(
     start, stop, pixel, kind, row, eye, view, position, geometric, model, width, offsets, out
 ):
     """Fill out (m, 4) with a lamp's mean radiance in pixels and how much of them it covers."""
-    e, lamp = vec(eye.reshape(1, 3), 0), light_row(row.reshape(1, -1), 0)
+    e, lamp = vec(eye.reshape(1, 3), 0), borrow(row)
     share = 1.0 / offsets.shape[0]
     for j in range(start, stop):
         i = pixel[j]
