@@ -62,7 +62,7 @@ class DiskLight(Light):
 def _cone(p, x):
     """(h, X, Y, Z, 1/α², 1/β²): x's height and the cone's frame in the world, Z its axis.
 
-    h < NEAREST where x is behind the disk or in its plane.
+    h is -1 where x is behind the disk or in its plane.
     """
     n = (np.float64(p[3]), np.float64(p[4]), np.float64(p[5]))
     cx, cy, cz = p[0] - x[0], p[1] - x[1], p[2] - x[2]
@@ -75,9 +75,8 @@ def _cone(p, x):
     else:
         e, _ = tangents(n)
         a = 0.0
-    h = max(h, 0.0) if h > NEAREST else -1.0
-    if h < 0.0:
-        return h, e, e, n, 0.0, 0.0
+    if h < NEAREST:
+        return -1.0, e, e, n, 0.0, 0.0
     near, far = math.sqrt((a - radius) ** 2 + h * h), math.sqrt((a + radius) ** 2 + h * h)
     half = 0.5 * math.atan2(2.0 * radius * h, a * a + h * h - radius * radius)
     ia = 1.0 / math.tan(half)
