@@ -10,7 +10,12 @@ const MARKS = {
   point: "M12 2v-3M12 25v-3M2 12h-3M25 12h-3M5 5 3 3M19 19l2 2M5 19l-2 2M19 5l2-2",
   spot: "M4 16 1 24M20 16l3 8",
   area: "M1 1h22v22H1z",
+  disk: "M12 1a11 11 0 0 1 0 22a11 11 0 0 1 0-22",
+  sphere: "M12 1a11 11 0 0 1 0 22a11 11 0 0 1 0-22M1 12c6 4 16 4 22 0",
+  projector: "M4 16 1 24h22l-3-8M9 24v-6M15 24v-6",
+  uberlight: "M4 16 1 24M20 16l3 8M1 24c7 3 15 3 22 0",
   distant: "M4 24v5M12 25v6M20 24v5",
+  sun: "M4 24v5M12 25v6M20 24v5M12 2v-4",
 };
 const MARGIN = 0.035; // of the picture, for lights outside it
 

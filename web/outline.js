@@ -1,4 +1,4 @@
-// Lines of the selected light over the picture: its axis, its cone or its frame.
+// Lines of the selected light over the picture: its axis, its cone, its beam or its frame.
 
 import { project } from "./camera.js";
 import { add, cross, length, normalize, scale, sub } from "./vector.js";
@@ -12,8 +12,8 @@ export function outline(light, camera) {
   if (light.position && light.target) {
     lines.push({ d: polyline([light.position, light.target], camera), quiet: true });
   }
-  if (light.type === "spot") lines.push({ d: polyline(cone(light), camera), quiet: false });
-  if (light.type === "area") lines.push({ d: polyline(frame(light), camera), quiet: false });
+  const shape = SHAPES[light.type]?.(light, camera);
+  if (shape) lines.push({ d: polyline(shape, camera), quiet: false });
   return lines.filter(({ d }) => d);
 }
 
@@ -38,21 +38,56 @@ function across(axis, up) {
   return [side, cross(axis, side)];
 }
 
+// By type, what to draw of a light besides its axis.
+const SHAPES = {
+  spot: cone,
+  area: (light) => rectangle(light.position, axes(light), light.width / 2, light.height / 2),
+  disk: (light) => ring(light.position, axes(light), light.radius, light.radius),
+  sphere: (light, camera) => {
+    const towards = normalize(sub(camera.position, light.position));
+    return ring(light.position, across(towards, camera.up), light.radius, light.radius);
+  },
+  projector,
+  uberlight,
+};
+
+const axes = (light) =>
+  across(normalize(sub(light.target, light.position)), light.up ?? [0, 1, 0]);
+
 // The rim of the cone at the target.
 function cone(light) {
-  const arm = sub(light.target, light.position);
-  const [a, b] = across(normalize(arm), [0, 1, 0]);
   const degrees = Math.min(80, light.cone_degrees ?? 0);
-  const radius = length(arm) * Math.tan((degrees * Math.PI) / 180);
+  const radius = throwOf(light) * Math.tan((degrees * Math.PI) / 180);
+  return ring(light.target, axes({ ...light, up: [0, 1, 0] }), radius, radius);
+}
+
+// The border of the image at the target; as its proportions are not known here, of its height.
+function projector(light) {
+  const half = throwOf(light) * Math.tan((Math.min(160, light.fov_y_degrees) * Math.PI) / 360);
+  return rectangle(light.target, axes(light), half, half);
+}
+
+// The inner shape of the beam at the target.
+function uberlight(light) {
+  const half = light.parallel ? 0.5 : 0.5 * throwOf(light);
+  const [a, b] = [half * light.width, half * light.height];
+  if (light.roundness < 0.05) return rectangle(light.target, axes(light), a, b);
+  return ring(light.target, axes(light), a, b, light.roundness);
+}
+
+const throwOf = (light) => length(sub(light.target, light.position));
+
+// A superellipse of half axes a and b; roundness 1 is an ellipse.
+function ring(centre, [s, t], a, b, roundness = 1) {
+  const bent = (v) => Math.sign(v) * Math.abs(v) ** roundness;
   return Array.from({ length: RING + 1 }, (_, i) => {
-    const t = (2 * Math.PI * i) / RING;
-    return add(light.target, add(scale(a, radius * Math.cos(t)), scale(b, radius * Math.sin(t))));
+    const angle = (2 * Math.PI * i) / RING;
+    const [x, y] = [a * bent(Math.cos(angle)), b * bent(Math.sin(angle))];
+    return add(centre, add(scale(s, x), scale(t, y)));
   });
 }
 
-function frame(light) {
-  const [a, b] = across(normalize(sub(light.target, light.position)), light.up ?? [0, 1, 0]);
-  const corner = (i, j) =>
-    add(light.position, add(scale(a, (i * light.width) / 2), scale(b, (j * light.height) / 2)));
+function rectangle(centre, [s, t], a, b) {
+  const corner = (i, j) => add(centre, add(scale(s, i * a), scale(t, j * b)));
   return [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1), corner(-1, -1)];
 }

@@ -2,7 +2,13 @@
 
 import { fromHex, strength, toHex, withStrength } from "./colour.js";
 
-const UNITS = { point: "W/sr", spot: "W/sr", area: "W/(sr·m²)", distant: "W/m²" };
+const [INTENSITY, RADIANCE, IRRADIANCE] = ["W/sr", "W/(sr·m²)", "W/m²"];
+const UNITS = {
+  point: INTENSITY, spot: INTENSITY, projector: INTENSITY,
+  area: RADIANCE, disk: RADIANCE, sphere: RADIANCE,
+  distant: IRRADIANCE, sun: IRRADIANCE, uberlight: IRRADIANCE,
+};
+const BARE = /(_exponent|^roundness|^most)$/; // numbers without a unit
 const DECADES = 3; // of the intensity slider, to either side
 const SHOWN = new Set(["id", "type", "enabled", "intensity"]);
 const AXES = ["x", "y", "z"];
@@ -95,7 +101,9 @@ export class Panel {
     const { properties } = state.scene.light_types[light.type];
     for (const [name, schema] of Object.entries(properties)) {
       if (SHOWN.has(name)) continue;
-      if (schema.type === "array") this.#triple(name, schema, change);
+      if (schema.type === "array") this.#numbers(name, schema, change);
+      else if (schema.type === "boolean") this.#switch(name, schema, change);
+      else if (schema.type === "string") this.#text(name, schema, change);
       else if (schema.type === "number" || schema.type === "integer") {
         this.#number(name, schema, change);
       }
@@ -171,16 +179,34 @@ export class Panel {
         change({ [name]: input.valueAsNumber }, false);
       }
     });
-    this.#field(words(name), input, angle ? "°" : "m");
+    this.#field(words(name), input, angle ? "°" : BARE.test(name) ? "" : "m");
     this.#fields.push((now) => {
       if (document.activeElement !== input) input.value = number(now[name]);
     });
   }
 
-  #triple(name, schema, change) {
+  #switch(name, schema, change) {
+    const input = element("input", { type: "checkbox", title: schema.description ?? "" });
+    input.addEventListener("change", () => change({ [name]: input.checked }, false));
+    this.#field(words(name), input);
+    this.#fields.push((now) => {
+      input.checked = now[name];
+    });
+  }
+
+  #text(name, schema, change) {
+    const input = element("input", { type: "text", title: schema.description ?? "" });
+    input.addEventListener("change", () => change({ [name]: input.value.trim() }, false));
+    this.#field(words(name), input);
+    this.#fields.push((now) => {
+      if (document.activeElement !== input) input.value = now[name];
+    });
+  }
+
+  #numbers(name, schema, change) {
     const box = element("span", { className: "triple" });
     let values = [0, 0, 0];
-    const inputs = AXES.map((axis, index) => {
+    const inputs = AXES.slice(0, schema.prefixItems?.length ?? 3).map((axis, index) => {
       const input = element("input", { type: "number", step: "any" });
       input.setAttribute("aria-label", `${words(name)} ${axis}`);
       input.title = `${axis}: ${schema.description ?? words(name)}`;

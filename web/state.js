@@ -84,8 +84,12 @@ export class State {
     if (properties.position) light.position = place;
     if (properties.target) light.target = add(place, [0, -0.2 * this.scene.diagonal, 1e-3]);
     if (properties.direction) light.direction = sub(target, add(position, scale(this.camera.up, 1)));
-    for (const side of ["width", "height"]) {
-      if (properties[side]) light[side] = 0.08 * this.scene.diagonal;
+    const sizes = { width: 0.08, height: 0.08, radius: 0.05, reference_distance: 0.2 };
+    for (const [name, share] of Object.entries(sizes)) {
+      // A beam's width and height are those at one metre, whatever the scene.
+      if (properties[name] && (type !== "uberlight" || name === "reference_distance")) {
+        light[name] = share * this.scene.diagonal;
+      }
     }
     for (const [name, schema] of Object.entries(properties)) {
       if (!(name in light) && schema.default !== undefined) light[name] = schema.default;
@@ -98,17 +102,25 @@ export class State {
 
   #usualIntensity(type) {
     const like = this.scene.lights.filter((light) => light.type === type);
-    if (like.length) return like[0].intensity;
-    // An area of A square metres shines straight ahead like a point of A times its radiance.
-    const d2 = this.scene.diagonal ** 2;
-    const perDistance = { area: 1 / (0.08 ** 2 * d2), distant: 1 / (0.2 * d2) }[type] ?? 1;
-    const points = this.scene.lights.map((light) => {
-      const own = strength(light.intensity);
-      if (light.type === "area") return own * light.width * light.height;
-      return light.type === "distant" ? own * 0.2 * d2 : own;
-    });
-    const s = (points.length ? Math.max(...points) || 1 : 0.1 * d2) * perDistance;
+    if (like.length && type !== "uberlight") return like[0].intensity;
+    const points = this.scene.lights.map((light) => strength(light.intensity) * this.#reach(light));
+    const d = this.scene.diagonal;
+    const sizes = { width: 0.08 * d, height: 0.08 * d, radius: 0.05 * d };
+    const wanted = { type, ...sizes, reference_distance: 0.2 * d };
+    const s = (points.length ? Math.max(...points) || 1 : 0.1 * d * d) / this.#reach(wanted);
     return [s, s, s];
+  }
+
+  // What a light of strength 1 gives straight ahead is what a point of so many W/sr gives: a lamp
+  // of A square metres is a point of A times its radiance.
+  #reach({ type, width, height, radius, reference_distance: distance }) {
+    switch (type) {
+      case "area": return width * height;
+      case "disk": case "sphere": return Math.PI * radius ** 2;
+      case "distant": case "sun": return 0.2 * this.scene.diagonal ** 2;
+      case "uberlight": return distance ** 2;
+      default: return 1;
+    }
   }
 
   // Added lights go; the scene's own can only be turned off.

@@ -19,9 +19,8 @@ from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from engine.light.base import DIRECTION, EXTRA, INTENSITY, POSITION, ROW, Light, towards, unit
+from engine.light.base import EXTRA, Light, across, towards, unit
 from engine.numerics.description import Point
-from engine.numerics.vec import cross
 
 NEAREST = 1e-9  # metres in front of the lamp, below which x lies in its plane and gets nothing
 FAR = 2.5  # of the lamp's diagonal: from there on r varies by a fifth each way over the lamp
@@ -53,18 +52,8 @@ class AreaLight(Light):
     def row(self) -> NDArray[np.float32]:
         """See `Light.row`; then the unit vectors along width and height, half sizes, area."""
         normal = towards(self.position, self.target)
-        # The z axis stands in for an up along the normal, the y axis for it in turn.
-        for up in (unit(self.up), (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)):
-            across = cross.py_func(up, normal)
-            if math.hypot(*across) > 1e-6:
-                break
-        across = unit(across)
-        row = np.zeros(ROW, np.float32)
-        row[POSITION : POSITION + 3] = self.position
-        row[DIRECTION : DIRECTION + 3] = normal
-        row[INTENSITY : INTENSITY + 3] = self.intensity
-        row[EXTRA : EXTRA + 3] = across
-        row[EXTRA + 3 : EXTRA + 6] = cross.py_func(normal, across)
+        row = self.start(self.position, normal)
+        row[EXTRA : EXTRA + 3], row[EXTRA + 3 : EXTRA + 6] = across(normal, self.up)
         row[EXTRA + 6 : EXTRA + 9] = self.width / 2, self.height / 2, self.width * self.height
         return row
 
@@ -122,7 +111,7 @@ def _point(x0, x1, y0, y1, z, k, solid, b0, b1, u1, u2):
 
 
 @njit
-def illuminate(p, x, u1, u2):
+def illuminate(p, texels, x, size, u1, u2):
     """Uniform over the solid angle, L · solid angle; from far away over the area instead."""
     x0, x1, y0, y1, z = _seen(p, x)
     if z < NEAREST:

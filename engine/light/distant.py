@@ -13,7 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from engine.light.base import DIRECTION, INTENSITY, ROW, Light, unit
+from engine.light.base import Light, no_pdf, nothing_emitted, unit
 from engine.numerics.description import Point
 
 
@@ -30,14 +30,11 @@ class DistantLight(Light):
 
     def row(self) -> NDArray[np.float32]:
         """See `Light.row`."""
-        row = np.zeros(ROW, np.float32)
-        row[DIRECTION : DIRECTION + 3] = unit(self.direction)
-        row[INTENSITY : INTENSITY + 3] = self.intensity
-        return row
+        return self.start(direction=unit(self.direction))
 
 
 @njit
-def illuminate(p, x, u1, u2):
+def illuminate(p, texels, x, size, u1, u2):
     """The irradiance, from everywhere the same."""
     return (
         -float(p[3]),
@@ -50,13 +47,4 @@ def illuminate(p, x, u1, u2):
     )
 
 
-@njit
-def pdf(p, x, w):
-    """No extent."""
-    return 0.0
-
-
-@njit
-def emitted(p, o, d):
-    """No extent."""
-    return (-1.0, 0.0, 0.0, 0.0)
+pdf, emitted = no_pdf, nothing_emitted

@@ -18,15 +18,16 @@ from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field
 
+from engine.light.sky import Sky
 from engine.numerics.description import Description, Finite, NonNegative, Radiance
 
 
 class EnvironmentDescription(Description):
-    """`map` is a file, the name of a built-in map, or a constant radiance."""
+    """`map` is a file, the name of a built-in map, a constant radiance, or a clear sky."""
 
     map: Annotated[
-        str | Radiance,
-        Field(description="a file (.exr, .hdr, .png, .jpg), 'studio', or a radiance"),
+        str | Radiance | Sky,
+        Field(description="a file (.exr, .hdr, .png, .jpg), 'studio', a radiance, or a sky"),
     ] = (1.0, 1.0, 1.0)
     rotation_degrees: Finite = 0.0
     intensity: Annotated[NonNegative, Field(description="factor on the map's radiance")] = 1.0

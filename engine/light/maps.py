@@ -1,4 +1,4 @@
-"""Where environments come from: files, maps made in code, a constant."""
+"""Where environments come from: files, maps made in code, a constant, a clear sky."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from engine.errors import SceneError
 from engine.images import read_image
 from engine.light.environment import Environment, EnvironmentDescription
+from engine.light.sky import Sky, sky
 
 
 def load_environment(description: EnvironmentDescription, folder: Path) -> Environment:
@@ -21,6 +22,8 @@ def load_environment(description: EnvironmentDescription, folder: Path) -> Envir
     high, or holds NaN or infinity. Negative values, which lossy EXR compression leaves near sharp
     lamps, become 0.
     """
+    if isinstance(description.map, Sky):
+        return Environment(description, sky(description.map))
     if not isinstance(description.map, str):
         return Environment(description, np.full((1, 1, 3), description.map, np.float32))
     if description.map in BUILT_IN:

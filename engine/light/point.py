@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.light.base import INTENSITY, POSITION, ROW, Light
+from engine.light.base import Light, no_pdf, nothing_emitted
 from engine.numerics.description import Point
 
 
@@ -21,14 +21,11 @@ class PointLight(Light):
 
     def row(self) -> NDArray[np.float32]:
         """See `Light.row`."""
-        row = np.zeros(ROW, np.float32)
-        row[POSITION : POSITION + 3] = self.position
-        row[INTENSITY : INTENSITY + 3] = self.intensity
-        return row
+        return self.start(self.position)
 
 
 @njit
-def illuminate(p, x, u1, u2):
+def illuminate(p, texels, x, size, u1, u2):
     """I / r²."""
     dx, dy, dz = p[0] - x[0], p[1] - x[1], p[2] - x[2]
     r2 = dx * dx + dy * dy + dz * dz
@@ -38,13 +35,4 @@ def illuminate(p, x, u1, u2):
     return (dx / r, dy / r, dz / r, r, p[6] / r2, p[7] / r2, p[8] / r2)
 
 
-@njit
-def pdf(p, x, w):
-    """No extent."""
-    return 0.0
-
-
-@njit
-def emitted(p, o, d):
-    """No extent."""
-    return (-1.0, 0.0, 0.0, 0.0)
+pdf, emitted = no_pdf, nothing_emitted

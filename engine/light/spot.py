@@ -15,7 +15,7 @@ from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from engine.light.base import DIRECTION, EXTRA, INTENSITY, POSITION, ROW, Light, towards
+from engine.light.base import EXTRA, Light, no_pdf, nothing_emitted, towards
 from engine.numerics.description import Point
 
 
@@ -46,17 +46,14 @@ class SpotLight(Light):
         """See `Light.row`; then 1 - cos of the outer and of the inner cone."""
         outer = math.radians(self.cone_degrees)
         inner = max(0.0, outer - math.radians(self.penumbra_degrees))
-        row = np.zeros(ROW, np.float32)
-        row[POSITION : POSITION + 3] = self.position
-        row[DIRECTION : DIRECTION + 3] = towards(self.position, self.target)
-        row[INTENSITY : INTENSITY + 3] = self.intensity
+        row = self.start(self.position, towards(self.position, self.target))
         # 1 - cos keeps its digits where the cone is narrow.
         row[EXTRA : EXTRA + 2] = 2 * math.sin(outer / 2) ** 2, 2 * math.sin(inner / 2) ** 2
         return row
 
 
 @njit
-def illuminate(p, x, u1, u2):
+def illuminate(p, texels, x, size, u1, u2):
     """I · falloff / r²."""
     dx, dy, dz = p[0] - x[0], p[1] - x[1], p[2] - x[2]
     r2 = dx * dx + dy * dy + dz * dz
@@ -78,13 +75,4 @@ def illuminate(p, x, u1, u2):
     return (wx, wy, wz, r, p[6] * k, p[7] * k, p[8] * k)
 
 
-@njit
-def pdf(p, x, w):
-    """No extent."""
-    return 0.0
-
-
-@njit
-def emitted(p, o, d):
-    """No extent."""
-    return (-1.0, 0.0, 0.0, 0.0)
+pdf, emitted = no_pdf, nothing_emitted

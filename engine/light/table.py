@@ -4,32 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from types import ModuleType
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, TypeAlias, Union
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from engine.light import area, distant, point, spot
-from engine.light.area import AreaLight
-from engine.light.base import ROW, Light
-from engine.light.distant import DistantLight
-from engine.light.point import PointLight
-from engine.light.spot import SpotLight
+from engine.light import area, disk, distant, point, projector, sphere, spot, sun, uberlight
+from engine.light.base import IMAGE, ROW, Light
+from engine.light.pyramid import STEP, Pyramid
 from engine.numerics.dispatch import by_index
 
 LIGHTS: dict[type[Light], ModuleType] = {
-    PointLight: point,
-    SpotLight: spot,
-    AreaLight: area,
-    DistantLight: distant,
+    point.PointLight: point,
+    spot.SpotLight: spot,
+    area.AreaLight: area,
+    disk.DiskLight: disk,
+    sphere.SphereLight: sphere,
+    distant.DistantLight: distant,
+    sun.SunLight: sun,
+    projector.ProjectorLight: projector,
+    uberlight.UberLight: uberlight,
 }
 
-AnyLight = Annotated[PointLight | SpotLight | AreaLight | DistantLight, Field(discriminator="type")]
+AnyLight: TypeAlias = Annotated[Union[tuple(LIGHTS)], Field(discriminator="type")]  # type: ignore[valid-type]  # noqa: UP007
 
 INDEX = {description: index for index, description in enumerate(LIGHTS)}
 
-illuminate = by_index([m.illuminate for m in LIGHTS.values()], 4)
+illuminate = by_index([m.illuminate for m in LIGHTS.values()], 6)
 pdf = by_index([m.pdf for m in LIGHTS.values()], 3)
 emitted = by_index([m.emitted for m in LIGHTS.values()], 3)
 
@@ -40,18 +42,33 @@ class LightTable(NamedTuple):
     kind    (l,) int32           index into LIGHTS
     row     (l, ROW) float32     parameters
     extent  (l,) bool            whether a ray can hit it
+    texels  (k, 3) float32       the images of those that have one, each image once
     """
 
     kind: NDArray[np.int32]
     row: NDArray[np.float32]
     extent: NDArray[np.bool_]
+    texels: NDArray[np.float32]
 
 
 def light_table(lights: Iterable[Light]) -> LightTable:
     """Pack the enabled lights."""
     on = [light for light in lights if light.enabled]
+    row = np.array([light.row() for light in on], np.float32).reshape(len(on), ROW)
+    images: dict[Pyramid, int] = {}
+    count = 0
+    for light, parameters in zip(on, row, strict=True):
+        image = light.pyramid()
+        if image is None:
+            continue
+        if image not in images:
+            images[image] = count
+            count += len(image.texels)
+        parameters[IMAGE : IMAGE + 3] = images[image] // STEP, image.width, image.height
+    every = [image.texels for image in images]
     return LightTable(
         np.array([INDEX[type(light)] for light in on], np.int32),
-        np.array([light.row() for light in on], np.float32).reshape(len(on), ROW),
+        row,
         np.array([light.has_extent for light in on], np.bool_),
+        every[0] if len(every) == 1 else np.concatenate([np.zeros((0, 3), np.float32), *every]),
     )

@@ -70,7 +70,7 @@ def _probe(scene: Scene, kind: str, position: Position) -> dict[str, Any]:
 def _radius(light: Light | None) -> float:
     """How far the light reaches from its position, metres."""
     width, height = getattr(light, "width", 0.0), getattr(light, "height", 0.0)
-    return float(np.hypot(width, height)) / 2
+    return max(float(np.hypot(width, height)) / 2, getattr(light, "radius", 0.0))
 
 
 def _seen_point(scene: Scene, rng: np.random.Generator, radius: float) -> tuple[Position, Position]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.light.table import light_table
 from engine.methods.base import Progress, silent
 from engine.reference import render
 from engine.scene.edits import Edits, apply
@@ -61,6 +62,7 @@ def _digest(scene: Scene, error: float) -> str:
     digest.update(scene.camera.model_dump_json().encode())
     for light in scene.lights:
         digest.update(light.model_dump_json().encode())
+    digest.update(light_table(scene.lights).texels.data)
     if scene.environment is not None:
         digest.update(scene.environment.description.model_dump_json().encode())
         digest.update(np.ascontiguousarray(scene.environment.radiance).data)

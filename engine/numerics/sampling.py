@@ -33,6 +33,35 @@ def uniform(seed, index, dimension):
 
 
 @njit
+def concentric_disk(u1, u2):
+    """A point of the unit disk, evenly; neighbours on the square are neighbours on the disk.
+
+    Concentric squares become concentric circles (Shirley and Chiu 1997).
+    """
+    a, b = 2.0 * u1 - 1.0, 2.0 * u2 - 1.0
+    if a == 0.0 and b == 0.0:
+        return (0.0, 0.0)
+    if abs(a) > abs(b):
+        phi = 0.25 * math.pi * b / a
+        return (a * math.cos(phi), a * math.sin(phi))
+    phi = 0.25 * math.pi * a / b
+    return (b * math.sin(phi), b * math.cos(phi))
+
+
+@njit
+def uniform_cone(u1, u2, versine):
+    """Direction about z within the cone of 1 - cos θ = versine, with density 1 / (2π versine).
+
+    Neighbours on the square are neighbours on the cone.
+    """
+    a, b = concentric_disk(u1, u2)
+    # The height above the rim's plane grows evenly with the area of the disk.
+    drop = versine * (a * a + b * b)
+    k = math.sqrt(versine * (2.0 - drop))
+    return (a * k, b * k, 1.0 - drop)
+
+
+@njit
 def cosine_hemisphere(u1, u2):
     """Direction about z with density cos θ / π."""
     r = math.sqrt(u1)

@@ -62,7 +62,9 @@ def light_sample(world, light, x, seed, index, bounce):
     local = world.lights.kind.shape[0]
     if light < local:
         kind, row = world.lights.kind[light], world.lights.row[light]
-        wx, wy, wz, distance, r, g, b = table.illuminate(kind, row, x, u1, u2)
+        wx, wy, wz, distance, r, g, b = table.illuminate(
+            kind, row, world.lights.texels, x, 0.0, u1, u2
+        )
         w = (wx, wy, wz)
         density = table.pdf(kind, row, x, w) if world.lights.extent[light] else 0.0
         return w, distance - NEAR * world.epsilon, (r, g, b), density

@@ -102,7 +102,7 @@ def build(description: SceneDescription, folder: Path, file: str = "") -> Scene:
         made.surfaces[name] = Surface(constants, slots)
     for index, thing in enumerate(description.objects):
         _add_object(made, thing, index, folder, list(description.materials))
-    lights = _checked(description.lights)
+    lights = _checked(description.lights, folder)
     made.folder = folder
     scene, rays = made.finish(description.name, description.camera, lights)
     if description.environment is not None:
@@ -192,16 +192,22 @@ def _texture(
     return images[path, srgb]
 
 
-def _checked(lights: Sequence[Light] | None) -> tuple[Light, ...] | None:
-    """The lights, each of another id."""
+def _checked(lights: Sequence[Light] | None, folder: Path) -> tuple[Light, ...] | None:
+    """The lights, each of another id, with the files that they name read."""
     if lights is None:
         return None
     seen: set[str] = set()
+    located = []
     for index, light in enumerate(lights):
         if light.id in seen:
             raise SceneError(f"another light has the id {light.id!r}", field=f"lights.{index}.id")
         seen.add(light.id)
-    return tuple(lights)
+        try:
+            located.append(light.located(folder))
+        except SceneError as error:
+            field = f"lights.{index}.{error.field}"
+            raise SceneError(error.message, field=field, file=error.file) from None
+    return tuple(located)
 
 
 def _without_coordinates(

@@ -70,9 +70,12 @@ def parse(document: Any) -> Edits:
 
 
 def edited_lights(
-    lights: Sequence[Light], changes: Sequence[dict[str, Any]] | None
+    lights: Sequence[Light], changes: Sequence[dict[str, Any]] | None, folder: str = ""
 ) -> tuple[Light, ...]:
-    """Lights after the changes, in their old order, new ones last."""
+    """Lights after the changes, in their old order, new ones last.
+
+    The files that they name lie in `folder`, which is the scene's own.
+    """
     result = {light.id: light for light in lights}
     for index, change in enumerate(changes or ()):
         field = f"lights.{index}"
@@ -86,9 +89,12 @@ def edited_lights(
         )
         merged = {**(old.model_dump() if old is not None and same_type else {}), **change}
         try:
-            result[name] = _LIGHT.validate_python(merged)
+            result[name] = _LIGHT.validate_python(merged).located(Path(folder))
         except ValidationError as error:
             raise problems(error, field, merged, _light_schema()) from None
+        except SceneError as error:
+            place = f"{field}.{error.field}"
+            raise EditError(error.message, field=place, file=error.file) from None
     if len(result) > MAX_LIGHTS:
         raise EditError(f"{len(result)} lights are more than {MAX_LIGHTS}", field="lights")
     return tuple(result.values())
@@ -165,7 +171,7 @@ def apply(scene: Scene, edits: Edits) -> Scene:
     if edits.camera:
         changes["camera"] = edited_camera(scene.camera, edits.camera)
     if edits.lights:
-        changes["lights"] = edited_lights(scene.lights, edits.lights)
+        changes["lights"] = edited_lights(scene.lights, edits.lights, scene.folder)
     if edits.environment:
         changes["environment"] = edited_environment(
             scene.environment, edits.environment, Path(scene.folder)

@@ -9,9 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 from engine.light import table
 from engine.light.area import AreaLight
 from engine.light.base import Light
+from engine.light.disk import DiskLight
 from engine.light.distant import DistantLight
 from engine.light.point import PointLight
+from engine.light.projector import ProjectorLight
+from engine.light.sphere import SphereLight
 from engine.light.spot import SpotLight
+from engine.light.sun import SunLight
+from engine.light.uberlight import UberLight
 from engine.numerics.vec import vec
 
 # Each lamp shines straight or obliquely on the origin.
@@ -30,16 +35,64 @@ EXAMPLES: list[Light] = [
         id="far", position=(800, 900, 0), target=(0, 0, 0), width=0.6, intensity=(3.0, 2.0, 1.0)
     ),
     AreaLight(id="ceiling", position=(0, 1, 0), target=(0, 0, 0), intensity=(3.0, 2.0, 1.0)),
+    DiskLight(
+        id="disk", position=(0.5, 1.5, 0.2), target=(0, 0, 0.7), radius=0.9, intensity=(3, 2, 1)
+    ),
+    # From its rim at a grazing angle, from close by, and from far away.
+    DiskLight(
+        id="rim", position=(0.7, 0.3, 0), target=(0.7, 0, 0), radius=0.6, intensity=(3, 2, 1)
+    ),
+    DiskLight(
+        id="close", position=(0.1, 0.4, 0), target=(0.1, 0, 0), radius=2, intensity=(3, 2, 1)
+    ),
+    DiskLight(
+        id="far disk", position=(800, 900, 0), target=(0, 300, 0), radius=0.5, intensity=(3, 2, 1)
+    ),
+    SphereLight(id="sphere", position=(0.5, 1.5, 0.2), radius=0.4, intensity=(3, 2, 1)),
+    SphereLight(id="close sphere", position=(0.3, 0.7, 0.9), radius=0.8, intensity=(3, 2, 1)),
+    SphereLight(id="far sphere", position=(800, 900, 0), radius=0.5, intensity=(3, 2, 1)),
+    ProjectorLight(
+        id="projector",
+        position=(-0.5, 1.5, 0.7),
+        target=(0.1, 0, 0),
+        up=(0, 0, 1),
+        intensity=(3.0, 2.0, 1.0),
+    ),
+    UberLight(
+        id="uberlight", position=(0.3, 1.5, 0.7), target=(0.1, 0, 0), intensity=(3.0, 2.0, 1.0)
+    ),
+    UberLight(
+        id="busy",
+        position=(0.3, 1.5, 0.7),
+        target=(0.1, 0, 0),
+        up=(1, 0, 0),
+        parallel=True,
+        roundness=0.4,
+        cut_on=0.2,
+        near_edge=0.1,
+        cut_off=1.2,
+        far_edge=3,
+        falloff_exponent=1.3,
+        most=4,
+        beam_exponent=8,
+        blocker_offset=(0.1, 0.05),
+        blocker_size=(0.1, 0.3),
+        blocker_edge=0.3,
+        intensity=(3.0, 2.0, 1.0),
+    ),
+    SunLight(id="soft sun", direction=(1, -3, 2), diameter_degrees=10, intensity=(3.0, 2.0, 1.0)),
+    SunLight(id="own sun", direction=(-1, -3, 1), intensity=(3.0, 2.0, 1.0)),
     DistantLight(id="sun", direction=(1, -3, 2), intensity=(3.0, 2.0, 1.0)),
 ]
 WIDE = [light for light in EXAMPLES if light.has_extent]
 
 
-def illuminate(light: Light, x: ArrayLike, u: ArrayLike) -> NDArray[np.float64]:
+def illuminate(light: Light, x: ArrayLike, u: ArrayLike, size: float = 0.0) -> NDArray[np.float64]:
     """(n, 7) of x (n, 3) and u (n, 2), lengths of one repeated."""
     a, b = _same(x, u)
     out = np.zeros((len(a), 7))
-    _illuminate(table.INDEX[type(light)], light.row(), a, b, out)
+    packed = table.light_table([light])
+    _illuminate(packed.kind[0], packed.row[0], packed.texels, a, size, b, out)
     return out
 
 
@@ -75,9 +128,9 @@ def _same(a: ArrayLike, b: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.f
 
 
 @njit
-def _illuminate(kind, row, x, u, out):
+def _illuminate(kind, row, texels, x, size, u, out):
     for i in range(len(x)):
-        v = table.illuminate(kind, row, vec(x, i), u[i, 0], u[i, 1])
+        v = table.illuminate(kind, row, texels, vec(x, i), size, u[i, 0], u[i, 1])
         out[i, 0], out[i, 1], out[i, 2], out[i, 3] = v[0], v[1], v[2], v[3]
         out[i, 4], out[i, 5], out[i, 6] = v[4], v[5], v[6]
 

@@ -10,11 +10,16 @@ from light.lights import EXAMPLES, WIDE, emitted, illuminate, pdf, stratified
 from pydantic import TypeAdapter, ValidationError
 
 from engine.light.area import AreaLight
-from engine.light.base import ROW, Light
+from engine.light.base import ROW, Light, across
+from engine.light.disk import DiskLight
 from engine.light.distant import DistantLight
 from engine.light.point import PointLight
+from engine.light.sphere import SphereLight
 from engine.light.spot import SpotLight
+from engine.light.sun import SunLight
 from engine.light.table import LIGHTS, AnyLight, light_table
+
+FALL_OFF = ("point", "spot", "area", "disk", "sphere", "uberlight")
 
 every_light = pytest.mark.parametrize("light", EXAMPLES, ids=lambda light: light.id)
 wide_light = pytest.mark.parametrize("light", WIDE, ids=lambda light: light.id)
@@ -31,11 +36,16 @@ def test_finite_everywhere(light: Light) -> None:
     rng = np.random.default_rng(1)
     centre = np.array(getattr(light, "position", (0.0, 0.0, 0.0)))
     near = [centre + s * v for s in (0, 1e-30, 1e-12, 1e-6, 0.3) for v in rng.normal(size=(20, 3))]
-    x = np.concatenate([near, 1e6 * rng.normal(size=(20, 3)), np.float32(near)])
-    if light.has_extent:  # on the lamp itself, and in its plane
-        row = light.row().astype(float)
+    lit = 1e-3 * rng.normal(size=(20, 3))
+    x = np.concatenate([near, 1e6 * rng.normal(size=(20, 3)), np.float32(near), lit])
+    if light.has_extent:  # on the lamp itself, in its plane, at its rim
+        normal = light.row()[3:6] if light.row()[3:6].any() else (0, 0, 1)
+        s, t = across(tuple(normal), (0.3, 0.1, 0.9))
         a, b = rng.uniform(-2, 2, (2, 200, 1))
-        x = np.concatenate([x, centre + a * row[9:12] + b * row[12:15]])
+        radius, w = getattr(light, "radius", 1.0), rng.normal(size=(100, 3))
+        w /= np.linalg.norm(w, axis=1, keepdims=True)
+        rim = centre + radius * np.outer(np.cos(a), s) + radius * np.outer(np.sin(a), t)
+        x = np.concatenate([x, centre + a * s + b * t, rim, centre + radius * w])
     u = np.array([[0.0, 0.0], [0.5, 0.5], [1 - 2.0**-24, 0.0], [0.0, 1 - 2.0**-24]])
     x, u = np.repeat(x, len(u), axis=0), np.tile(u, (len(x), 1))
     values = illuminate(light, x, u)
@@ -68,16 +78,22 @@ def test_no_ray_hits_a_light_without_extent(light: Light) -> None:
     assert (emitted(light, (0, 0, 0), w)[:, 0] < 0).all()
 
 
-@pytest.mark.parametrize("light", EXAMPLES[:3], ids=lambda light: light.id)
+@pytest.mark.parametrize(
+    "light", [x for x in EXAMPLES if x.id in FALL_OFF], ids=lambda light: light.id
+)
 def test_inverse_square(light: Light) -> None:
     """On the axis, a hundred times as far, a ten-thousandth of the light."""
     position = np.array(light.position)  # type: ignore[attr-defined]
-    axis = -position / np.linalg.norm(position)
+    axis = np.array(getattr(light, "target", (0, 0, 0))) - position
+    axis /= np.linalg.norm(axis)
     near, far = (
         illuminate(light, position + 100 * s * axis, (0.5, 0.5))[0, 4] for s in (1.0, 100.0)
     )
     assert near / far == pytest.approx(1e4, rel=1e-3)
-    area = getattr(light, "width", 1) * getattr(light, "height", 1)
+    radius = getattr(light, "radius", math.pi**-0.5)
+    area = math.pi * radius**2
+    if isinstance(light, AreaLight):
+        area *= light.width * light.height
     assert far == pytest.approx(light.intensity[0] * area / 1e8, rel=1e-3)
 
 
@@ -103,8 +119,10 @@ def test_samples_carry_radiance_over_density(light: Light) -> None:
         density = pdf(light, x, values[:, :3])
         seen = emitted(light, x, values[:, :3])
         assert (density > 0).all()
-        np.testing.assert_allclose(values[:, 4] * density, light.intensity[0], rtol=1e-5)
-        np.testing.assert_allclose(seen[:, 1:], np.tile(light.intensity, (1000, 1)))
+        radiance = light.row()[6:9]
+        assert isinstance(light, SunLight) or (radiance == light.intensity).all()
+        np.testing.assert_allclose(values[:, 4] * density, radiance[0], rtol=1e-5)
+        np.testing.assert_allclose(seen[:, 1:], np.tile(radiance, (1000, 1)))
         np.testing.assert_allclose(seen[:, 0], values[:, 3], rtol=1e-5)
 
 
@@ -258,7 +276,15 @@ def test_distant_light() -> None:
         ({"type": "distant", "direction": [0, 0, 0]}, "direction is zero"),
         ({"type": "point", "position": [0, math.nan, 0]}, "finite number"),
         ({"type": "point", "position": [0, 0, 0], "intensity": [-1, 0, 0]}, "or equal to 0"),
-        ({"type": "laser"}, "'point', 'spot', 'area', 'distant'"),
+        (
+            {"type": "disk", "position": [1, 2, 3], "target": [1, 2, 3]},
+            "the same point",
+        ),
+        ({"type": "sun", "direction": [0, 0, 0]}, "direction is zero"),
+        ({"type": "sun", "direction": [0, -1, 0], "diameter_degrees": 0}, "0.01"),
+        ({"type": "disk", "position": [0, 0, 0], "target": [1, 0, 0], "radius": 0}, "0.0001"),
+        ({"type": "sphere", "position": [0, 0, 0], "radius": -1}, "0.0001"),
+        ({"type": "laser"}, "'point', 'spot', 'area', 'disk', 'sphere', 'distant', 'sun'"),
     ],
 )
 def test_bad_light_says_what(document: dict[str, object], words: str) -> None:
@@ -290,14 +316,29 @@ def test_table_holds_what_is_on() -> None:
 def _cone_around(light: Light) -> tuple[np.ndarray, np.ndarray, float, float]:
     """A point that the lamp lights, the axis and half angle of a cone of directions that holds the
     lamp, and the lamp's solid angle by summing over its area."""
-    assert isinstance(light, AreaLight)
     row = light.row().astype(float)
     x = np.array([0.1, 0.2, 0.0])
+    if isinstance(light, SphereLight):
+        d = np.array([row[:3] - x])
+        sine = light.radius / np.linalg.norm(d)
+        solid = 4 * math.pi * math.sin(math.asin(sine) / 2) ** 2
+        return x, d[0] / np.linalg.norm(d), 1.01 * math.asin(sine), solid
+    if isinstance(light, SunLight):
+        half = math.radians(light.diameter_degrees) / 2
+        return x, -row[3:6], 1.01 * half, 4 * math.pi * math.sin(half / 2) ** 2
     s, t = np.meshgrid(*[(np.arange(800) + 0.5) / 400 - 1] * 2)
-    a, b = s.reshape(-1, 1) * row[15], t.reshape(-1, 1) * row[16]
-    d = row[:3] + a * row[9:12] + b * row[12:15] - x
+    if isinstance(light, AreaLight):
+        a, b = s.reshape(-1, 1) * row[15], t.reshape(-1, 1) * row[16]
+        d = row[:3] + a * row[9:12] + b * row[12:15] - x
+        area = light.width * light.height
+    else:
+        assert isinstance(light, DiskLight)
+        e, f = across(tuple(row[3:6]), (0.3, 0.1, 0.9))
+        r, phi = np.sqrt((s.reshape(-1, 1) + 1) / 2), math.pi * t.reshape(-1, 1)
+        d = row[:3] + light.radius * r * (np.cos(phi) * e + np.sin(phi) * f) - x
+        area = math.pi * light.radius**2
     r = np.linalg.norm(d, axis=1)
-    solid = (-(d @ row[3:6]) / r**3).mean() * light.width * light.height
+    solid = (-(d @ row[3:6]) / r**3).mean() * area
     axis = d.mean(axis=0) / np.linalg.norm(d.mean(axis=0))
     half = 1.01 * np.arccos(np.clip((d / r[:, None]) @ axis, -1, 1)).max()
     return x, axis, float(half), float(solid)

@@ -122,3 +122,35 @@ def test_dispatch_by_index() -> None:
     for call in (choose, kernel):
         assert [call(0, 3.0, 4.0), call(1, 3.0, 4.0), call(2, 3.0, 4.0)] == [7, 12, 12]
     assert by_index([njit(lambda a: -a)], 1)(5, 2.0) == -2
+
+
+def test_concentric_map_keeps_areas_and_neighbours() -> None:
+    """Every cell of a grid becomes a piece of the disk as large as the others, and stays whole."""
+    edge = np.linspace(0, 1, 65)
+    at = np.array([[sampling.concentric_disk(a, b) for b in edge] for a in edge])
+    d1, d2 = at[1:, 1:] - at[:-1, :-1], at[1:, :-1] - at[:-1, 1:]
+    area = np.abs(d1[..., 0] * d2[..., 1] - d1[..., 1] * d2[..., 0]) / 2
+    assert area.sum() == pytest.approx(np.pi, rel=1e-3)
+    # The innermost rings are squares rather than circles, as corners are joined by chords here.
+    outer = np.ones((64, 64), bool)
+    outer[28:36, 28:36] = False
+    np.testing.assert_allclose(area[outer], np.pi / 64**2, rtol=0.01)
+    for step in (np.diff(at, axis=0), np.diff(at, axis=1)):
+        assert np.linalg.norm(step, axis=2).max() < 1.6 * np.sqrt(np.pi) / 64
+    assert np.hypot(at[0, :, 0], at[0, :, 1]) == pytest.approx(1)
+    assert sampling.concentric_disk(0.5, 0.5) == (0, 0)
+
+
+@pytest.mark.parametrize("versine", [1e-9, 0.1, 1.0, 2.0])
+def test_uniform_cone(versine: float) -> None:
+    """Unit directions within the cone, 1 - cos θ even up to its rim."""
+    u = np.random.default_rng(1).random((2000, 2))
+    d = np.array([sampling.uniform_cone(a, b, versine) for a, b in u])
+    assert np.linalg.norm(d, axis=1) == pytest.approx(1)
+    # 1 - cos θ by the sine where the cone is narrow.
+    sine2 = d[:, 0] ** 2 + d[:, 1] ** 2
+    share = np.where(d[:, 2] > 0, sine2 / (1 + np.abs(d[:, 2])), 1 - d[:, 2]) / versine
+    assert 0 <= share.min() < 0.01
+    assert 0.99 < share.max() <= 1 + 1e-9
+    assert share.mean() == pytest.approx(0.5, abs=0.03)
+    assert (share**2).mean() == pytest.approx(1 / 3, abs=0.03)

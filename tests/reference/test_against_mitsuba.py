@@ -124,6 +124,41 @@ def gloss_and_spot() -> tuple[Scene, tuple[float, float, float]]:
     return still_life(0.447, lights=[spot, lamp]), (0, 0, 0)
 
 
+def gloss_and_projector() -> tuple[Scene, tuple[float, float, float]]:
+    """From the side and tilted, so that an image turned over or mirrored shows."""
+    projector = {
+        "id": "projector",
+        "type": "projector",
+        "position": [1.4, 2.2, 2.4],
+        "target": [0.0, 0.2, -0.5],
+        "up": [0.3, 1, 0],
+        "fov_y_degrees": 46,
+        "image": "chart",
+        "intensity": [14, 18, 24],
+    }
+    return still_life(0.4, lights=[projector]), (0, 0, 0)
+
+
+def disk_and_sphere() -> tuple[Scene, tuple[float, float, float]]:
+    """Above all surfaces: theirs are solid, and must be in nobody's way."""
+    disk = {
+        "id": "disk",
+        "type": "disk",
+        "position": [-2.2, 3.4, 1.0],
+        "target": [0, 0, 0],
+        "radius": 0.6,
+        "intensity": [5, 6, 9],
+    }
+    ball = {
+        "id": "ball",
+        "type": "sphere",
+        "position": [1.6, 3.2, 0.4],
+        "radius": 0.3,
+        "intensity": [24, 20, 14],
+    }
+    return still_life(0.447, lights=[disk, ball]), (0, 0, 0)
+
+
 def blocks(image: np.ndarray) -> np.ndarray:
     """(..., h, w, 3) -> (..., h / BLOCK, w / BLOCK, 3) means."""
     lead, n = image.shape[:-3], SIZE // BLOCK
@@ -142,7 +177,13 @@ def keep(name: str, **pictures: np.ndarray) -> str:
 
 @pytest.mark.parametrize(
     ("make", "our_samples", "their_samples"),
-    [(cornell_box, 1024, 64), (gloss_and_sky, 512, 24), (gloss_and_spot, 1024, 48)],
+    [
+        (cornell_box, 1024, 64),
+        (gloss_and_sky, 512, 24),
+        (gloss_and_spot, 1024, 48),
+        (gloss_and_projector, 768, 32),
+        (disk_and_sphere, 768, 32),
+    ],
 )
 def test_same_picture(make, our_samples, their_samples, tmp_path):
     scene, lamp_albedo = make()

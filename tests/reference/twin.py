@@ -11,7 +11,10 @@ import numpy as np
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
 from engine.light.area import AreaLight
+from engine.light.disk import DiskLight
 from engine.light.point import PointLight
+from engine.light.projector import ProjectorLight
+from engine.light.sphere import SphereLight
 from engine.light.spot import SpotLight
 from engine.scene.scene import Scene
 
@@ -74,14 +77,42 @@ def emitter(light: Any, lamp_albedo: Any) -> dict[str, Any]:
             "cutoff_angle": light.cone_degrees,
             "beam_width": light.cone_degrees * (1 - 1e-5),
         }
-    assert isinstance(light, AreaLight)
-    look = to().look_at(origin=list(light.position), target=list(light.target), up=list(light.up))
-    return {
-        "type": "rectangle",
-        "to_world": look @ to().scale([light.width / 2, light.height / 2, 1]),
+    if isinstance(light, ProjectorLight):
+        image = light.pyramid()
+        texels = image.texels[: image.width * image.height] * np.float32(light.intensity)
+        return {
+            "type": "projector",
+            "to_world": to().look_at(
+                origin=list(light.position), target=list(light.target), up=list(light.up)
+            ),
+            "fov": light.fov_y_degrees,
+            "fov_axis": "y",
+            "scale": 1 / np.pi,
+            "irradiance": {
+                "type": "bitmap",
+                "bitmap": mi.Bitmap(texels.reshape(image.height, image.width, 3)),
+                "raw": True,
+                "wrap_mode": "clamp",
+            },
+        }
+    lamp = {
         "emitter": {"type": "area", "radiance": rgb(light.intensity)},
         "bsdf": {"type": "diffuse", "reflectance": rgb(lamp_albedo)},
     }
+    if isinstance(light, SphereLight):
+        return {
+            "type": "sphere",
+            "center": list(light.position),
+            "radius": light.radius,
+            **lamp,
+        }
+    up = [0.1, 1, 0.2] if isinstance(light, DiskLight) else list(light.up)
+    look = to().look_at(origin=list(light.position), target=list(light.target), up=up)
+    if isinstance(light, DiskLight):
+        return {"type": "disk", "to_world": look @ to().scale([light.radius] * 3), **lamp}
+    assert isinstance(light, AreaLight)
+    size = [light.width / 2, light.height / 2, 1]
+    return {"type": "rectangle", "to_world": look @ to().scale(size), **lamp}
 
 
 def twin(scene: Scene, folder: Path, lamp_albedo: Any = (0, 0, 0)) -> Any:

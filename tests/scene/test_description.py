@@ -39,7 +39,11 @@ BAD = [
     ({"lights": [{**POINT, "intensity": [1, -1, 1]}]}, "lights.0.intensity.1", "not -1"),
     ({"lights": [{**POINT, "intensty": [1, 1, 1]}]}, "lights.0.intensty", "intensity"),
     ({"lights": [{**POINT, "type": "pont"}]}, "lights.0.type", "point"),
-    ({"lights": [{"id": "a"}]}, "lights.0.type", "area, distant, point, spot"),
+    (
+        {"lights": [{"id": "a"}]},
+        "lights.0.type",
+        "area, disk, distant, point, projector, sphere, spot, sun, uberlight",
+    ),
     ({"lights": [POINT, POINT]}, "lights.1.id", "'a'"),
     ({"materials": {"m": {"type": "ggx", "roughnes": 1}}}, "materials.m.roughnes", "roughness"),
     ({"materials": {"m": {"type": "diffuse", "roughness": 1}}}, "materials.m.roughness", "diffuse"),

@@ -169,32 +169,77 @@ def test_intensity_colour_exposure_and_reset(visit: Any) -> None:
     assert settled(page).mean() > original.mean() + 10
 
 
-@pytest.mark.parametrize("kind", ["point", "spot", "area"])
+KINDS = ["point", "spot", "area", "disk", "sphere", "projector", "uberlight"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_added_lights_shine_and_can_be_removed(visit: Any, kind: str) -> None:
     page: Page = visit.page
     original = settled(page)
     page.select_option("#add", kind)
-    assert page.locator(f".handle[data-light={kind}-1][data-grip=position]").is_visible()
+    handle = page.locator(f".handle[data-light={kind}-1][data-grip=position]")
+    assert handle.is_visible()
+    assert handle.locator("path").get_attribute("d"), "a mark of its own"
     brighter = settled(page)
     assert brighter.mean() > original.mean() + 1
     page.get_by_role("button", name="Remove").click()
     np.testing.assert_allclose(settled(page), original, atol=1)
 
 
-def test_a_light_at_infinity_follows_the_hand(visit: Any) -> None:
+def test_a_projector_throws_another_image(visit: Any) -> None:
+    """A name in the panel changes the picture; a wrong one is said, and the page goes on."""
+    page: Page = visit.page
+    page.select_option("#add", "projector")
+    window = settled(page)
+    page.get_by_label("Image", exact=True).fill("chart")
+    page.keyboard.press("Enter")
+    chart = settled(page)
+    assert np.abs(chart - window).max() > 30
+    page.get_by_label("Image", exact=True).fill("none.png")
+    page.keyboard.press("Enter")
+    page.wait_for_function("() => document.body.innerText.includes('no such file')")
+    page.get_by_label("Image", exact=True).fill("window")
+    page.keyboard.press("Enter")
+    page.wait_for_function("() => !document.body.innerText.includes('no such file')")
+    np.testing.assert_allclose(settled(page), window, atol=1)
+    page.get_by_role("button", name="Remove").click()
+
+
+def test_the_uberlight_s_switches_and_pairs(visit: Any) -> None:
+    """A card in the beam takes light away, and parallel rays keep to their width."""
+    page: Page = visit.page
+    page.select_option("#add", "uberlight")
+    lit = settled(page)
+    page.get_by_label("Blocker size x").fill("4")
+    page.keyboard.press("Enter")
+    page.get_by_label("Blocker size y").fill("4")
+    page.keyboard.press("Enter")
+    page.get_by_label("Blocker distance").fill("0.01")
+    blocked = settled(page)
+    assert blocked.mean() < lit.mean() - 1
+    page.get_by_label("Blocker distance").fill("1000")
+    page.get_by_label("Parallel").check()
+    parallel = settled(page)
+    assert parallel.mean() > blocked.mean() + 1
+    assert np.abs(parallel - lit).max() > 10
+    page.get_by_role("button", name="Remove").click()
+
+
+@pytest.mark.parametrize("kind", ["distant", "sun"])
+def test_a_light_at_infinity_follows_the_hand(visit: Any, kind: str) -> None:
     """Its handle lies on a ball around what the camera looks at, and stays on it."""
     page: Page = visit.page
-    page.select_option("#add", "distant")
-    handle = page.locator(".handle[data-light=distant-1][data-grip=direction]")
+    page.select_option("#add", kind)
+    handle = page.locator(f".handle[data-light={kind}-1][data-grip=direction]")
     before = handle.bounding_box()
-    drag(page, "distant-1", 60, 45, "direction")
+    drag(page, f"{kind}-1", 60, 45, "direction")
     after = handle.bounding_box()
     assert before is not None
     assert after is not None
     assert after["x"] - before["x"] == pytest.approx(60, abs=1.5)
     assert after["y"] - before["y"] == pytest.approx(45, abs=1.5)
     # Past the ball's rim it waits at the rim and comes back.
-    drag(page, "distant-1", 5000, 0, "direction")
+    drag(page, f"{kind}-1", 5000, 0, "direction")
     rim = handle.bounding_box()
     assert rim is not None
     assert rim["x"] > after["x"] + 20

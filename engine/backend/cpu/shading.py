@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from engine.brdf import base as brdf
 from engine.brdf import table as brdfs
-from engine.light import base as light_contract
 from engine.light import table as lights
+from engine.light.table import LightTable
+from engine.numerics.borrow import borrow
 from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import add, dot, scale, sub, tuple_of, vec
@@ -22,7 +23,6 @@ from engine.scene.rays import RayTracer
 evaluate = brdfs.evaluate
 illuminate = lights.illuminate
 brdf_row = tuple_of(brdf.ROW)
-light_row = tuple_of(light_contract.ROW)
 
 # Of a light with extent both may hold: HIDDEN | VISIBLE. Hidden too is a light that shines
 # elsewhere, or that the surface turns away from as a whole. No surface: neither holds.
@@ -40,17 +40,18 @@ def light_points(
     model: NDArray[np.int32],
     row: NDArray[np.float32],
     phase: NDArray[np.uint8],
-    kind: int,
-    light: NDArray[np.float32],
+    size: NDArray[np.float32],
+    table: LightTable,
     samples: NDArray[np.float64],
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
     """Reflected radiance (n, 3) float32 of one light, and visibility (n,) uint8.
 
     position (n, 3) are the places to be lit; the rest of what they are says point at[j] of the
-    other arrays. `kind`, `light` are a row of a LightTable. samples (groups, k, 2) are places on
-    the light: a point is lit from the k of the group that its phase picks.
+    other arrays. The table holds the light alone. samples (groups, k, 2) are places on it: a point
+    is lit from the k of the group that its phase picks.
     """
     n, per_point = len(position), samples.shape[1]
+    kind, light, texels = table.kind[0], table.row[0], table.texels
     radiance = np.zeros((n, 3), np.float32)
     visible = np.zeros(n, np.uint8)
 
@@ -59,8 +60,8 @@ def light_points(
         value, origin, direction = (np.zeros((room, 3), np.float32) for _ in range(3))
         index = np.zeros(room, np.int32)
         count = _unshadowed(
-            start, stop, at, position, normal, geometric, view, model, row, phase, kind, light,
-            samples, rays.epsilon, value, origin, direction, index, visible,
+            start, stop, at, position, normal, geometric, view, model, row, phase, size, kind,
+            light, texels, samples, rays.epsilon, value, origin, direction, index, visible,
         )  # fmt: skip
         blocked = rays.occluded(origin[:count], direction[:count], 1.0)
         _add_visible(index[:count], value, blocked, radiance, visible)
@@ -85,22 +86,22 @@ def shadow_ray(x, g, w, distance, epsilon):
 
 @njit(cache=True, nogil=True)
 def _unshadowed(
-    start, stop, at, position, normal, geometric, view, model, row, phase, kind, light, samples,
-    epsilon, value, origin, direction, index, visible,
+    start, stop, at, position, normal, geometric, view, model, row, phase, size, kind, light,
+    texels, samples, epsilon, value, origin, direction, index, visible,
 ):  # fmt: skip
     groups, per_point = samples.shape[0], samples.shape[1]
     share = 1.0 / per_point
     count = 0
-    lamp = light_row(light.reshape(1, -1), 0)
+    lamp, texels = borrow(light), borrow(texels)
     for j in range(start, stop):
         i = at[j]
         if model[i] < 0:
             continue
         x, n, g = vec(position, j), vec(normal, i), vec(geometric, i)
-        group, first = phase[i] % groups, count
+        group, first, wide = phase[i] % groups, count, np.float64(size[i])
         for k in range(per_point):
             u1, u2 = samples[group, k, 0], samples[group, k, 1]
-            wx, wy, wz, distance, r, gr, b = illuminate(kind, lamp, x, u1, u2)
+            wx, wy, wz, distance, r, gr, b = illuminate(kind, lamp, texels, x, wide, u1, u2)
             w = (wx, wy, wz)
             cosine = dot(n, w)
             # A light under the flat triangle cannot reach its upper side, whatever the shading

@@ -101,7 +101,7 @@ class Transfer:
         require_supported(NAME, edits)
         clock = _Clock()
         view, cloud = self.view, self.cloud
-        lights = edited_lights(view.scene.lights, edits.lights)
+        lights = edited_lights(view.scene.lights, edits.lights, view.scene.folder)
 
         # Direct light on gather samples: g.
         with clock("gather_direct"):
@@ -133,7 +133,8 @@ class Transfer:
     def indirect(self, edits: Edits) -> NDArray[np.float32]:
         """The indirect part of the full picture alone, (height, width, 3): for tests and charts."""
         frame = self.relight(edits)
-        lights = edited_lights(self.view.scene.lights, edits.lights)
+        scene = self.view.scene
+        lights = edited_lights(scene.lights, edits.lights, scene.folder)
         return frame.image - self.view.direct(lights, 1).reshape(frame.image.shape)
 
     def _bounce(self, g: NDArray[np.float32]) -> tuple[NDArray[np.float32], float]:

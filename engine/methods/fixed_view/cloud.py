@@ -110,6 +110,7 @@ def cloud_from(arrays: Mapping[str, NDArray[Any]], area: float) -> GatherCloud:
         object=arrays["object"],
         material=arrays["material"],
         phase=(np.arange(n) % 16).astype(np.uint8),
+        size=np.full(n, np.sqrt(area), np.float32),
     )
     clusters = describe_clusters(points.position, points.normal, area)
     return GatherCloud(points, arrays["albedo"], arrays["emission"], area, clusters)

@@ -103,7 +103,7 @@ def _light(
         return np.zeros((len(at), 3), np.float32), np.zeros(len(at), np.uint8)
     return light_points(
         rays, at, position, points.normal, points.geometric, points.view, points.model, points.row,
-        points.phase, table.kind[0], table.row[0], light_samples(light, per_point),
+        points.phase, points.size, table, light_samples(light, per_point),
     )  # fmt: skip
 
 

@@ -52,6 +52,7 @@ class Points:
     material   (n,) int32      -1 where nothing is hit
     phase      (n,) uint8      0 to 15, other than the neighbours': from which places on it a light
                                with extent shines here
+    size       (n,) float32    metres, width of what each stands for
     """
 
     position: NDArray[np.float32]
@@ -63,6 +64,7 @@ class Points:
     object: NDArray[np.int32]
     material: NDArray[np.int32]
     phase: NDArray[np.uint8]
+    size: NDArray[np.float32]
 
     def __len__(self) -> int:
         return len(self.model)
@@ -84,6 +86,7 @@ def no_points(n: int) -> Points:
         object=np.full(n, -1, np.int32),
         material=np.full(n, -1, np.int32),
         phase=np.zeros(n, np.uint8),
+        size=np.zeros(n, np.float32),
     )
 
 
@@ -136,6 +139,8 @@ def build(scene: Scene) -> FrameBuffer:
     sub = look_at(scene, camera.directions(sx, sy))
     sub.phase[:] = np.tile(np.arange(4, dtype=np.uint8), len(pixel))
     _make_typical(centre, pixel, sub)
+    for points, width in ((centre, spread), (sub, spread / 2)):
+        points.size[:] = width * np.linalg.norm(points.position - camera.position, axis=1)
     donor = np.repeat(pixel, 4)
     for_ranges(
         _find_donors,

@@ -29,6 +29,7 @@ class DirectPreview:
         start = time.perf_counter()
         for key in sorted(edits.touched() - {"lights"}):
             raise EditNotSupported("the preview takes edits of lights only", field=key)
-        lights = edited_lights(self.view.scene.lights, edits.lights)
+        scene = self.view.scene
+        lights = edited_lights(scene.lights, edits.lights, scene.folder)
         image = self.view.direct(lights, scale).reshape(*self.view.shape(scale), 3)
         return Frame(image, {"total": time.perf_counter() - start}, (PENDING,))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -16,7 +17,6 @@ from engine.backend.cpu.shading import (
     VISIBLE,
     average,
     light_edges,
-    light_row,
     neighbour_ray,
 )
 from engine.brdf import albedo
@@ -34,6 +34,7 @@ from engine.methods.fixed_view.direct import (
     light_on_pixels,
 )
 from engine.methods.fixed_view.frame_buffer import FrameBuffer, Points, pixel_phase
+from engine.numerics.borrow import borrow
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, scale, sub, vec
 from engine.scene.scene import Scene
@@ -68,6 +69,7 @@ class View:
         self._coarse = self.buffer.centre.take(np.ascontiguousarray(grid[::2, ::2]).ravel())
         height, width = self.shape(2)
         self._coarse.phase[:] = pixel_phase(width, height)
+        self._coarse.size[:] *= 2
         self._coarse_alike = alike_neighbours(
             self._coarse.position, self._coarse.normal, self._coarse.object, width
         )
@@ -199,7 +201,7 @@ def _background(start, stop, model, view, table, out):
 @njit(cache=True, nogil=True)
 def _look_for_lamp(start, stop, kind, row, eye, view, ahead):
     """Whether the rays through the pixels' centres would meet the lamp in an empty scene."""
-    e, lamp = vec(eye.reshape(1, 3), 0), light_row(row.reshape(1, -1), 0)
+    e, lamp = vec(eye.reshape(1, 3), 0), borrow(row)
     for i in range(start, stop):
         distance, _, _, _ = emitted_by(kind, lamp, e, scale(vec(view, i), -1.0))
         ahead[i] = distance >= 0.0
@@ -218,7 +220,7 @@ def _see_lamp(
     start, stop, pixel, kind, row, eye, view, position, geometric, model, width, offsets, out
 ):
     """Fill out (m, 4) with a lamp's mean radiance in pixels and how much of them it covers."""
-    e, lamp = vec(eye.reshape(1, 3), 0), light_row(row.reshape(1, -1), 0)
+    e, lamp = vec(eye.reshape(1, 3), 0), borrow(row)
     share = 1.0 / offsets.shape[0]
     for j in range(start, stop):
         i = pixel[j]
@@ -229,7 +231,7 @@ def _see_lamp(
                 continue
             g = vec(geometric, i)
             slope, height = dot(d, g), dot(sub(vec(position, i), e), g)
-            far = height / slope if model[i] >= 0 and slope != 0.0 else 1e30
+            far = height / slope if model[i] >= 0 and slope != 0.0 else math.inf
             if distance < far:
                 out[j, 0] += red * share
                 out[j, 1] += green * share
