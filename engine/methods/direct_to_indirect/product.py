@@ -28,7 +28,7 @@ from engine.scene.edits import Edits, edited_lights
 
 NAME = "direct_to_indirect"
 ENVIRONMENT_SAMPLES = 64
-TRIALS, TAIL_BOUNCES = 11, 24
+TRIALS, TAIL_BOUNCES = 25, 16
 MOST_DECAY = 0.99  # a room that keeps more than this of its light per bounce is not believed
 FAINT = 0.02  # a gloss that reflects less than this counts as matt
 NEGLIGIBLE = 0.02  # of the indirect light: what the bounces may miss before the user is told
@@ -160,18 +160,25 @@ class Transfer:
 
     def _one_bounce(self, light: NDArray[np.float32], gain: float) -> NDArray[np.float32]:
         """gain P light, both (n_g, 3) float32 in wavelets: what the cloud reflects of its light."""
-        radiance = multiply(*self.bounce, light, self._runs, len(light))
-        radiance *= np.float32(gain) * self._reflected
-        return haar.forward(radiance)
+        return self._reflect(self._arriving(light), gain)
 
-    def _arriving(self, light: NDArray[np.float32]) -> tuple[float, float]:
-        """How much of a light (n_g, 3) in wavelets arrives on the cloud, and how much should.
+    def _arriving(self, light: NDArray[np.float32]) -> NDArray[np.float32]:
+        return multiply(*self.bounce, light, self._runs, len(light))
 
-        As transport is reciprocal, what should is what every sample sends, times the share of its
-        own hemisphere that others fill.
+    def _reflect(self, arriving: NDArray[np.float32], gain: float) -> NDArray[np.float32]:
+        return haar.forward(arriving * (np.float32(gain) * self._reflected))
+
+    def _gain(
+        self, lights: list[NDArray[np.float32]], arriving: list[NDArray[np.float32]]
+    ) -> float:
+        """What gives back the light that culling loses in a bounce, for the middle one of lights.
+
+        As transport is reciprocal, what should arrive in all is what every sample sends, times the
+        share of its own hemisphere that others fill.
         """
-        arrived = multiply(*self.bounce, light, self._runs, len(light))
-        return float(arrived.sum(dtype=np.float64)), float((self._closed @ light).sum())
+        due = [max(float((self._closed @ light).sum()), 1e-30) for light in lights]
+        found = [max(float(light.sum(dtype=np.float64)), 1e-30) for light in arriving]
+        return float(np.median(np.divide(due, found)))
 
     def _trial_bounces(self) -> tuple[list[float], NDArray[np.float64], NDArray[np.float64]]:
         """(gains, tail, fades) of the light of trial lights, the middle ones of each.
@@ -187,11 +194,9 @@ class Transfer:
         ]
         gains, sums = [], [[_power(b) for b in lights]]
         for _ in range(bounces + TAIL_BOUNCES):
-            arrived, due = np.transpose([self._arriving(b) for b in lights])
-            gains.append(
-                float(np.median(np.where(arrived > 0, due / np.maximum(arrived, 1e-30), 1)))
-            )
-            lights = [self._one_bounce(b, gains[-1]) for b in lights]
+            arriving = [self._arriving(light) for light in lights]
+            gains.append(self._gain(lights, arriving))
+            lights = [self._reflect(light, gains[-1]) for light in arriving]
             sums.append([_power(b) for b in lights])
         power = np.maximum(sums, 1e-30)  # (bounces, lights, 3)
         decay = np.clip(power[-1] / power[-2], 0, MOST_DECAY)

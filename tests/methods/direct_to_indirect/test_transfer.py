@@ -252,27 +252,20 @@ def test_more_coefficients_less_error(make: Make) -> None:
 
 
 def test_more_bounces_converge(make: Make) -> None:
-    """None is darker; from the first on the last bounce stands for those that follow.
-
-    Uncut, as culling takes half a percent from the first gather of a light so close to a wall.
-    """
+    """None is darker; from the first on the last bounce stands for those that follow."""
     room = white_room(0.7, [POINT])
     energy = np.array(
         [
-            float(
-                make(room, bounces=b, coefficients=1024, bounce_coefficients=512)
-                .indirect(Edits())
-                .mean()
-            )
+            float(make(room, gather_samples=4096, bounces=b).indirect(Edits()).mean())
             for b in (0, 1, 2, 4, 8, 32)
         ]
     )
     off = np.abs(energy / energy[-1] - 1)
-    # What has bounced once is 1 - albedo of all.
-    assert off[0] == pytest.approx(0.7, abs=0.003)
+    # What has bounced once is 1 - albedo of all, in the whole room: the picture shows half of it.
+    assert off[0] == pytest.approx(0.7, abs=0.012)
     assert (np.diff(off) <= 1e-6).all()
     assert off[1] < 0.012
-    assert off[2] < 0.003
+    assert off[2] < 0.004
 
 
 # Pictures of half the size
