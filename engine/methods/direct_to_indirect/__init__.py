@@ -2,8 +2,9 @@
 
 Hašan, Pellacini, Bala 2006, *Direct-to-Indirect Transfer for Cinematic Relighting*.
 
-    v_i = k_d * (F (M + I) g_d)                       eq. 2, 5
-    v_i = k_d * (F^w W (M^w W + I) g_d)               eq. 7: rows of F and M in wavelet space
+    v_d = k_d * (F_d (M + I) g_d)                     eq. 5: matt part of a view sample
+    v_g = k_g * (F_g (M + I) g_d)                     eq. 6: glossy part
+    v   = k * (F^w W (M^w W + I) g_d)                 eq. 7, 8: rows of F and M in wavelet space
     d(s, c) = K² |p_s - p_c|² + D² |n_s - n_c|²       eq. 9: distance for the cluster tree
 
 | paper | here | what |
@@ -11,15 +12,17 @@ Hašan, Pellacini, Bala 2006, *Direct-to-Indirect Transfer for Cinematic Relight
 | V | `View.buffer.centre` | view samples, one per pixel |
 | G, n_g | `GatherCloud` | gather samples, a power of four |
 | g_d | `g` | direct radiance of the gather samples, reflected diffusely |
-| F | `Transfer.final` | final gather, scalar: irradiance per radiance |
-| M | sum of P^k, `Transfer.bounce` | bounces within the cloud, one at a time |
+| F_d, F_g | `Transfer.final`, `Transfer.gloss` | final gather, scalar |
+| M | `Bounces`, `Transfer.bounce` | bounces within the cloud, one at a time |
 | W | `engine.numerics.haar` | Haar transform on the cluster tree |
-| k_d | `View.reflectance` / π | what a view sample does with irradiance |
+| k_d, k_g | `View.reflectance` / π | what a view sample does with what it gathers |
 | K, D | `position_weight`, `Scene.diagonal` | weights of eq. 9 |
 
 Where we leave the paper: M is applied bounce by bounce (scalar rows, any number of bounces, no
-photon noise); form factors are those of disks (no clamp in corners); 64 neighbouring rows share
-their list of wavelets (`fixed_view.rows`).
+photon noise), and what culling takes from a bounce is given back (`bounces`); rows come from rays
+that land on gather samples (`fixed_view.gather_rays`), with the paper's links as a setting, whose
+form factors are those of disks (no clamp in corners); 64 neighbouring rows share their list of
+wavelets (`fixed_view.rows`).
 """
 
 from engine.methods.base import EDITS, Method

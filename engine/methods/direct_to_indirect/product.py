@@ -15,12 +15,12 @@ from engine.backend.cpu.product import multiply
 from engine.diagnosis import Diagnosis
 from engine.light.environment import environment_table
 from engine.methods.base import Frame, require_supported
+from engine.methods.direct_to_indirect.bounces import Bounces
 from engine.methods.direct_to_indirect.settings import Settings
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.direct import light_on_points
-from engine.methods.fixed_view.importance import trial_lights
 from engine.methods.fixed_view.rows import PackedRows
-from engine.methods.fixed_view.tiles import coarse_tiles, pixel_tiles, run_tiles
+from engine.methods.fixed_view.tiles import coarse_tiles, pixel_tiles
 from engine.methods.fixed_view.view import Reflectance, View
 from engine.numerics import haar
 from engine.numerics.parallel import for_ranges
@@ -28,19 +28,12 @@ from engine.scene.edits import Edits, edited_lights
 
 NAME = "direct_to_indirect"
 ENVIRONMENT_SAMPLES = 64
-TRIALS, TAIL_BOUNCES = 25, 16
-MOST_DECAY = 0.99  # a room that keeps more than this of its light per bounce is not believed
 FAINT = 0.02  # a gloss that reflects less than this counts as matt
 NEGLIGIBLE = 0.02  # of the indirect light: what the bounces may miss before the user is told
 
 
 class Transfer:
-    """v = (k_d * F_d + k_g * F_g) (I + P + ... + P^b) g, F and P in wavelet space (eq. 2, 5, 6).
-
-    P = (albedo / π) G is one bounce within the gather cloud. It is applied b times at run time,
-    which costs a few milliseconds, in place of the paper's matrix M of all bounces in colour. The
-    bounces after those are guessed from the last one.
-    """
+    """v = (k_d * F_d + k_g * F_g) (I + M) g, all in wavelet space (eq. 2, 5 to 8)."""
 
     def __init__(
         self,
@@ -59,10 +52,6 @@ class Transfer:
             1: pixel_tiles(camera.width, camera.height),
             2: coarse_tiles(camera.width, camera.height),
         }
-        self._runs = run_tiles(len(cloud))
-        self._reflected = cloud.albedo / np.float32(np.pi)
-        even = haar.forward(np.ones((len(cloud), 3), np.float32))
-        self._closed = haar.forward(multiply(*bounce, even, self._runs, len(cloud)))[:, 0].copy()
         # What no light edit changes: surfaces that shine, and the environment.
         points = cloud.points
         self._standing = cloud.emission + environment_on_points(
@@ -70,7 +59,7 @@ class Transfer:
             points.model, points.row, environment_table(view.scene.environment),
             ENVIRONMENT_SAMPLES, 11,
         )  # fmt: skip
-        self._gains, self._tail, self._fades = self._trial_bounces()
+        self._bounces = Bounces(view.scene, cloud, bounce, settings.bounces, settings.seed)
         # Indirect light meets whole pixels where they have no sub-samples.
         self._glossy = glossy_pixels(view)
         whole = _as_gathered(view.reflectance, self._glossy)
@@ -115,7 +104,7 @@ class Transfer:
 
         # Bounces within the cloud: (I + P + ... + P^b) g, from here on in wavelet space.
         with clock("bounces"):
-            total, missing = self._bounce(haar.forward(g))
+            total, missing = self._bounces(haar.forward(g))
 
         # Final gather, and direct light on view samples.
         with clock("final_gather"):
@@ -136,74 +125,6 @@ class Transfer:
         scene = self.view.scene
         lights = edited_lights(scene.lights, edits.lights, scene.folder)
         return frame.image - self.view.direct(lights, 1).reshape(frame.image.shape)
-
-    def _bounce(self, g: NDArray[np.float32]) -> tuple[NDArray[np.float32], float]:
-        """Sum of all bounces in wavelets (n_g, 3), and how wrong its tail may be as a part of it.
-
-        The last bounce that is computed stands for those that follow: by then they are alike but
-        for a factor, which trial lights have told.
-        """
-        total, b = g.copy(), g
-        before = after = _power(g)
-        for gain in self._gains[: self._settings.bounces]:
-            b = self._one_bounce(b, gain)
-            total += b
-            before, after = after, _power(b)
-        energy = max(float(_power(total).sum()), 1e-30)
-        if self._settings.bounces == 0:
-            return total, float((after * self._tail).sum()) / energy
-        total += b * self._tail.astype(np.float32)
-        # Light that fades faster or slower than the trial lights has another tail.
-        fades = after / np.maximum(before, 1e-30)
-        off = np.abs(after * self._tail * (fades / np.maximum(self._fades, 1e-30) - 1))
-        return total, float(off.sum()) / energy
-
-    def _one_bounce(self, light: NDArray[np.float32], gain: float) -> NDArray[np.float32]:
-        """gain P light, both (n_g, 3) float32 in wavelets: what the cloud reflects of its light."""
-        return self._reflect(self._arriving(light), gain)
-
-    def _arriving(self, light: NDArray[np.float32]) -> NDArray[np.float32]:
-        return multiply(*self.bounce, light, self._runs, len(light))
-
-    def _reflect(self, arriving: NDArray[np.float32], gain: float) -> NDArray[np.float32]:
-        return haar.forward(arriving * (np.float32(gain) * self._reflected))
-
-    def _gain(
-        self, lights: list[NDArray[np.float32]], arriving: list[NDArray[np.float32]]
-    ) -> float:
-        """What gives back the light that culling loses in a bounce, for the middle one of lights.
-
-        As transport is reciprocal, what should arrive in all is what every sample sends, times the
-        share of its own hemisphere that others fill.
-        """
-        due = [max(float((self._closed @ light).sum()), 1e-30) for light in lights]
-        found = [max(float(light.sum(dtype=np.float64)), 1e-30) for light in arriving]
-        return float(np.median(np.divide(due, found)))
-
-    def _trial_bounces(self) -> tuple[list[float], NDArray[np.float64], NDArray[np.float64]]:
-        """(gains, tail, fades) of the light of trial lights, the middle ones of each.
-
-        gains, one for every bounce, give back what culling loses of the light that arrives. tail
-        (3,) is the sum of all bounces after the last that is computed, by that one; fades (3,) is
-        what that one keeps of the one before.
-        """
-        scene, cloud, bounces = self.view.scene, self.cloud, self._settings.bounces
-        lights = [
-            haar.forward(light_on_points(scene.rays, cloud.points, light))
-            for light in trial_lights(scene, cloud, self._settings.seed)[:TRIALS]
-        ]
-        gains, sums = [], [[_power(b) for b in lights]]
-        for _ in range(bounces + TAIL_BOUNCES):
-            arriving = [self._arriving(light) for light in lights]
-            gains.append(self._gain(lights, arriving))
-            lights = [self._reflect(light, gains[-1]) for light in arriving]
-            sums.append([_power(b) for b in lights])
-        power = np.maximum(sums, 1e-30)  # (bounces, lights, 3)
-        decay = np.clip(power[-1] / power[-2], 0, MOST_DECAY)
-        rest = power[bounces + 1 :].sum(axis=0) + power[-1] * decay / (1 - decay)
-        fades = power[bounces] / power[max(0, bounces - 1)]
-        # A light in a white cupboard fades far more slowly than most do: no mean, but the middle.
-        return gains, np.median(rest / power[bounces], axis=0), np.median(fades, axis=0)
 
     def _compose(
         self,
@@ -242,11 +163,6 @@ class Transfer:
                 )
             )
         return tuple(found)
-
-
-def _power(light: NDArray[np.float32]) -> NDArray[np.float64]:
-    """(3,): the sum of a light on the cloud, but for a factor, from its wavelets (n_g, 3)."""
-    return light[0].astype(np.float64)
 
 
 def glossy_pixels(view: View) -> NDArray[np.bool_]:
