@@ -35,7 +35,7 @@ class Settings:
     """How rows are found: by rays that land on gather samples, or by the paper's links to clusters
     (§4.3). See `fixed_view.gather_rays` and `fixed_view.links`."""
 
-    view_rays: int = 377
+    view_rays: int = 233
     """Rays of a view sample's matt part: 16 to 65,536."""
 
     gloss_rays: int = 233
