@@ -10,7 +10,7 @@ from methods.fixed_view.gather_matrix import dense_rows, links_of, square
 from methods.scenes import camera, cornell, rectangle, scene, white_room
 
 from engine.methods.fixed_view.cloud import GatherCloud, build_cloud
-from engine.methods.fixed_view.gather import SURE, Job, cosine_lobes, gather_chunk
+from engine.methods.fixed_view.gather import HEMISPHERE, SURE, Job, cosine_lobes, gather_chunk
 from engine.methods.fixed_view.hierarchy import level_start
 from engine.methods.fixed_view.links import closure, hide
 from engine.methods.fixed_view.view import View
@@ -310,5 +310,5 @@ def test_a_point_that_looks_half_out_of_an_open_box_keeps_half():
     cloud = build_cloud(box, View(box).buffer.centre, 64, 6.0, 1)
     found = row_sums(box, position, sideways, cloud)
     # Two of 64 rays more or less than half may hit.
-    assert np.abs(found - 0.5).max() < SURE + 2 / 64
+    assert np.abs(found - 0.5).max() < SURE + 2 / HEMISPHERE
     assert found.mean() == pytest.approx(0.5, abs=SURE)
