@@ -32,6 +32,7 @@ from engine.light.base import EXTRA, Light, towards
 from engine.numerics.description import Point
 from engine.numerics.frames import tangents
 from engine.numerics.sampling import concentric_disk
+from engine.numerics.vec import cross
 
 NEAREST = 1e-9  # metres in front of the lamp, below which x lies in its plane and gets nothing
 
@@ -87,12 +88,7 @@ def _cone(p, x):
     s, c = along / r, down / r
     z = (s * e[0] - c * n[0], s * e[1] - c * n[1], s * e[2] - c * n[2])
     xx = (c * e[0] + s * n[0], c * e[1] + s * n[1], c * e[2] + s * n[2])
-    yy = (
-        z[1] * xx[2] - z[2] * xx[1],
-        z[2] * xx[0] - z[0] * xx[2],
-        z[0] * xx[1] - z[1] * xx[0],
-    )
-    return h, xx, yy, z, ia * ia, max(ib, 0.0)
+    return h, xx, cross(z, xx), z, ia * ia, max(ib, 0.0)
 
 
 @njit

@@ -42,6 +42,7 @@ from pydantic import Field, model_validator
 
 from engine.light.base import EXTRA, Light, across, no_pdf, nothing_emitted, towards, unit
 from engine.numerics.description import Finite, NonNegative, Point, Unit
+from engine.numerics.vec import cross
 
 BRIGHTEST = 1e20  # times the intensity, where nothing else bounds it
 Distance = Annotated[float, Field(ge=0, le=1e6)]
@@ -175,10 +176,8 @@ def illuminate(p, texels, x, size, u1, u2):
     z = dx * p[3] + dy * p[4] + dz * p[5]
     if z < 1e-10 or z <= p[16] or z >= p[19]:
         return (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
-    # Across the axis: left × axis is up.
-    ux = p[4] * p[11] - p[5] * p[10]
-    uy = p[5] * p[9] - p[3] * p[11]
-    uz = p[3] * p[10] - p[4] * p[9]
+    # Across the axis: axis × left is up.
+    ux, uy, uz = cross((p[3], p[4], p[5]), (p[9], p[10], p[11]))
     right = -(dx * p[9] + dy * p[10] + dz * p[11])
     up = dx * ux + dy * uy + dz * uz
     if p[24] > 0.0:

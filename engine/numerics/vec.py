@@ -6,7 +6,6 @@ A tuple lives in registers, so these functions cost nothing once inlined.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numba import njit
@@ -21,17 +20,6 @@ def vec(a, i):
     Numba's `float` leaves a float32 as it is, hence the explicit type.
     """
     return (np.float64(a[i, 0]), np.float64(a[i, 1]), np.float64(a[i, 2]))
-
-
-def tuple_of(length: int) -> Any:
-    """A kernel (a, i): row `i` of an (n, length) array as a tuple, its numbers as they are.
-
-    A slice a[i] would be counted among the references to its array at each call that it is given
-    to, which in an inner loop takes longer than most callees do.
-    """
-    scope: dict[str, Any] = {}
-    exec(f"def row(a, i): return ({''.join(f'a[i, {k}], ' for k in range(length))})", scope)
-    return njit(scope["row"])
 
 
 @njit

@@ -10,19 +10,17 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.brdf import base as brdf
 from engine.brdf import table as brdfs
 from engine.light import table as lights
 from engine.light.table import LightTable
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
-from engine.numerics.vec import add, dot, scale, sub, tuple_of, vec
+from engine.numerics.vec import add, dot, scale, sub, vec
 from engine.scene.rays import RayTracer
 
 evaluate = brdfs.evaluate
 illuminate = lights.illuminate
-brdf_row = tuple_of(brdf.ROW)
 
 # Of a light with extent both may hold: HIDDEN | VISIBLE. Hidden too is a light that shines
 # elsewhere, or that the surface turns away from as a whole. No surface: neither holds.
@@ -92,7 +90,7 @@ def _unshadowed(
     groups, per_point = samples.shape[0], samples.shape[1]
     share = 1.0 / per_point
     count = 0
-    lamp, texels = borrow(light), borrow(texels)
+    rows, lamp, texels = borrow(row), borrow(light), borrow(texels)
     for j in range(start, stop):
         i = at[j]
         if model[i] < 0:
@@ -110,7 +108,7 @@ def _unshadowed(
                 continue
             s, t = tangents(n)
             wi, wo = to_local(w, s, t, n), to_local(vec(view, i), s, t, n)
-            f = evaluate(model[i], brdf_row(row, i), wi, wo)
+            f = evaluate(model[i], rows[i], wi, wo)
             if f[0] + f[1] + f[2] <= 0.0:
                 continue
             value[count, 0] = f[0] * r * cosine * share

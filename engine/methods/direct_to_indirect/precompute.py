@@ -7,6 +7,7 @@ from concurrent.futures import Executor
 from dataclasses import asdict
 
 import numpy as np
+from numpy.typing import NDArray
 
 from engine.methods.base import Progress
 from engine.methods.direct_to_indirect.product import NAME, Transfer, glossy_pixels
@@ -55,15 +56,19 @@ def precompute(
 
     # Each matrix is finished before it is stored, its chunks are let go after that.
     rows = {}
+    importance = None
     for name in MATRICES:
         found = stored[name]
         if found is not None:
             rows[name] = PackedRows(**{f: found.arrays[f] for f in PackedRows._fields})
             continue
-        job = _job(name, scene, settings, view, cloud)
-        if (job.tiles < 0).all():
-            rows[name] = no_rows(len(job.tiles))
+        tiles = _tiles(name, view, cloud)
+        if (tiles < 0).all():
+            rows[name] = no_rows(len(tiles))
             continue
+        if importance is None:
+            importance = wavelet_importance(scene, cloud, settings.seed)
+        job = _job(name, settings, view, cloud, tiles, importance)
         made = run_chunks(job, name, parts, executor, progress)
         meta = {
             "settings": asdict(settings),
@@ -86,29 +91,33 @@ def key(scene: Scene, settings: Settings) -> str:
     return digest.hexdigest()
 
 
-def _job(name: str, scene: Scene, settings: Settings, view: View, cloud: GatherCloud) -> Job:
+def _tiles(name: str, view: View, cloud: GatherCloud) -> NDArray[np.int32]:
+    """(m, 64) points that have a row in one of MATRICES, -1 for none."""
+    if name == "bounce":
+        return run_tiles(len(cloud))
+    camera = view.scene.camera
+    wanted = glossy_pixels(view) if name == "gloss" else view.buffer.centre.model >= 0
+    tiles = pixel_tiles(camera.width, camera.height)
+    return np.where(wanted[tiles], tiles, -1).astype(np.int32)
+
+
+def _job(
+    name: str,
+    settings: Settings,
+    view: View,
+    cloud: GatherCloud,
+    tiles: NDArray[np.int32],
+    importance: NDArray[np.float32],
+) -> Job:
     """The work of one of MATRICES."""
-    bounce, gloss = name == "bounce", name == "gloss"
-    points: Points = cloud.points if bounce else view.buffer.centre
-    if bounce:
-        tiles = run_tiles(len(cloud))
-    else:
-        tiles = pixel_tiles(scene.camera.width, scene.camera.height)
-        wanted = glossy_pixels(view) if gloss else points.model >= 0
-        tiles = np.where(wanted[tiles], tiles, -1).astype(np.int32)
-    lobes = cosine_lobes(points.normal)
-    if gloss:
-        lobes = Lobes(points.view, points.model, gloss_of(points.row))
-    counts = {
-        "final": settings.view_rays,
-        "gloss": settings.gloss_rays,
-        "bounce": settings.bounce_rays,
-    }
-    coefficients = {
-        "final": settings.coefficients,
-        "gloss": settings.gloss_coefficients,
-        "bounce": settings.bounce_coefficients,
-    }
+    scene, s = view.scene, settings
+    points: Points = cloud.points if name == "bounce" else view.buffer.centre
+    coefficients, rays, link_size = {
+        "bounce": (s.bounce_coefficients, s.bounce_rays, s.bounce_link_size),
+        "final": (s.coefficients, s.view_rays, s.link_size),
+        "gloss": (s.gloss_coefficients, s.gloss_rays, s.link_size),
+    }[name]
+    gloss = name == "gloss"
     return Job(
         positions=scene.geometry.positions,
         triangles=scene.geometry.triangles,
@@ -119,13 +128,17 @@ def _job(name: str, scene: Scene, settings: Settings, view: View, cloud: GatherC
         leaf_position=cloud.points.position,
         leaf_geometric=cloud.points.geometric,
         clusters=cloud.clusters,
-        importance=wavelet_importance(scene, cloud, settings.seed),
-        lobes=lobes,
+        importance=importance,
+        lobes=(
+            Lobes(points.view, points.model, gloss_of(points.row))
+            if gloss
+            else cosine_lobes(points.normal)
+        ),
         # Links know no lobes, so gloss is gathered by rays in any case.
-        count=counts[name] if gloss or settings.gather == "rays" else 0,
-        link_size=settings.bounce_link_size if bounce else settings.link_size,
-        patch_size=settings.patch_size,
-        coefficients=coefficients[name],
-        seed=settings.seed + 1 + MATRICES.index(name),
+        count=rays if gloss or s.gather == "rays" else 0,
+        link_size=link_size,
+        patch_size=s.patch_size,
+        coefficients=coefficients,
+        seed=s.seed + 1 + MATRICES.index(name),
         rays=scene.rays,
     )

@@ -110,7 +110,9 @@ class Transfer:
         with clock("final_gather"):
             tiles, n = self._tiles[scale], len(view.points(scale))
             arriving = multiply(*self.final, total, tiles, n)
-            mirrored = multiply(*self.gloss, total, tiles, n)
+            # Without glossy pixels nothing takes this up: no need to make zeros of it.
+            glossy = len(self.gloss.ids) > 0
+            mirrored = multiply(*self.gloss, total, tiles, n) if glossy else arriving
         with clock("view_direct"):
             image = view.direct(lights, scale)
         with clock("compose"):

@@ -20,16 +20,15 @@ import numpy as np
 from numba import njit
 
 from engine.brdf import table as brdfs
-from engine.brdf.base import ROW, luminance
+from engine.brdf.base import luminance
 from engine.methods.fixed_view.hierarchy import level_start
 from engine.methods.fixed_view.nearest import nearest
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import tangents, to_local, to_world
 from engine.numerics.sampling import uniform
-from engine.numerics.vec import add, cross, dot, normalize, scale, sub, tuple_of, vec
+from engine.numerics.vec import add, cross, dot, normalize, scale, sub, vec
 
 evaluate, sample_direction, density = brdfs.evaluate, brdfs.sample, brdfs.pdf
-brdf_row = tuple_of(ROW)
 GOLDEN = 0.6180339887498949
 LIFT = 0.25  # spacings of samples above the surface, for looking along it
 SHIFTS = 1 << 20  # dimensions of `uniform` from here on turn the lattice of each point
@@ -47,6 +46,7 @@ def aim(
     owns first[b] to first[b + 1]. Returns the number of rays. The weights of a row sum to π, less
     those of rays that a shading normal sends under the surface.
     """
+    rows = borrow(row)
     rays = 0
     for b in range(index.shape[0]):
         first[b] = rays
@@ -55,7 +55,7 @@ def aim(
             continue
         n, g = vec(normal, i), vec(geometric, i)
         s, t = tangents(n)
-        p = brdf_row(row, i)
+        p = rows[i]
         wo = to_local(vec(view, i), s, t, n)
         start = add(vec(position, i), scale(g, epsilon))
         shift1, shift2 = uniform(seed, i, SHIFTS), uniform(seed, i, SHIFTS + 1)
