@@ -16,14 +16,19 @@ from numpy.typing import NDArray
 from engine.brdf.base import DIFFUSE, ROW
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.table import INDEX
-from engine.methods.fixed_view.gather_rays import aim, land, settle
+from engine.light.environment_samples import DEPTH
+from engine.methods.fixed_view.gather_rays import aim, escape, land, settle
 from engine.methods.fixed_view.hierarchy import Clusters
+from engine.methods.fixed_view.importance import environment_importance
 from engine.methods.fixed_view.links import closure, find_links, hide, room_for_links
 from engine.methods.fixed_view.nearest import Grid, build_grid
+from engine.methods.fixed_view.openings import aim_through, open_cells, refinement
 from engine.methods.fixed_view.rows import TILE, PackedRows, make_scratch, pack, project
+from engine.numerics.haar import levels
 from engine.scene.rays import RayTracer
 
 CHUNK_TILES = 64
+ENVIRONMENT = "environment_"
 HEMISPHERE = 64  # rays that measure how closed a point's surroundings are
 SURE = 0.03  # standard error of such a measure, at most
 LONGEST = 8  # a tile's list is at most so many times the coefficients asked for
@@ -62,6 +67,8 @@ class Job:
     count                         rays of a point, see `gather_rays`; 0 for links in their place
     link_size, patch_size         see `links`, which know no lobe but the cosine
     coefficients                  that a row would keep with a list of its own
+    opening_rays                  rays of a point to what it sees of the environment, at most, see
+                                  `openings`; 0 for none but those above
     """
 
     positions: NDArray[np.float32]
@@ -80,6 +87,7 @@ class Job:
     patch_size: float
     coefficients: int
     seed: int
+    opening_rays: int = 0
     rays: RayTracer | None = field(default=None, repr=False)
     grid: Grid | None = field(default=None, repr=False)
 
@@ -95,42 +103,65 @@ class Job:
 def gather_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     """Rows of one chunk as the arrays of PackedRows, and how much of their energy was kept.
 
-    Also counts rays. Deterministic whatever runs beside it.
+    The arrays of the rows of environment samples have `ENVIRONMENT` before their names. Also counts
+    rays. Deterministic whatever runs beside it.
     """
     tiles = job.tiles[chunk * CHUNK_TILES : (chunk + 1) * CHUNK_TILES]
     gather = _Rays(job) if job.count else _Links(job)
-    lists: list[PackedRows] = []
+    surfaces = _Packer(job.importance, job.coefficients)
+    beyond = _Packer(environment_importance(), job.coefficients)
     kept = np.ones(len(tiles), np.float32)
     rays = np.zeros(len(tiles), np.int64)
-    ids, values = np.zeros(1 << 19, np.int32), np.zeros(1 << 19, np.float32)
-    starts = np.zeros(TILE + 1, np.int64)
-    scratch = make_scratch(len(job.leaf_position))
     for t, index in enumerate(tiles):
-        first, cluster, weight, rays[t] = gather(index)
+        landed, escaped, rays[t] = gather(index)
+        kept[t] = surfaces.add(landed)
+        beyond.add(escaped)
+    environment = {ENVIRONMENT + k: a for k, a in beyond.packed()._asdict().items()}
+    return {**surfaces.packed()._asdict(), **environment, "kept": kept, "rays": rays}
+
+
+class Rows(NamedTuple):
+    """Rows of a tile as `rows.project` wants them: first (b + 1,), cluster, weight (p,)."""
+
+    first: NDArray[np.int32]
+    cluster: NDArray[np.int32]
+    weight: NDArray[np.float32]
+
+
+class _Packer:
+    """Packs tile after tile, with room for it."""
+
+    def __init__(self, importance: NDArray[np.float32], coefficients: int) -> None:
+        self._importance, self._coefficients = importance, coefficients
+        self._depth = levels(len(importance))
+        self._scratch = make_scratch(len(importance))
+        self._ids, self._values = np.zeros(1 << 19, np.int32), np.zeros(1 << 19, np.float32)
+        self._starts = np.zeros(TILE + 1, np.int64)
+        self._lists: list[PackedRows] = []
+
+    def add(self, rows: Rows) -> float:
+        """Pack a tile; returns the share of its energy that was kept."""
         while True:
-            count = project(
-                first, cluster, weight, job.clusters.depth, scratch, ids, values, starts
-            )
-            if count >= 0:
+            args = (self._depth, self._scratch, self._ids, self._values, self._starts)
+            if project(*rows, *args) >= 0:
                 break
-            ids, values = np.zeros(2 * len(ids), np.int32), np.zeros(2 * len(ids), np.float32)
-        most = LONGEST * job.coefficients
-        wavelets, scale = np.zeros(most, np.int32), np.zeros(most, np.float32)
+            room = 2 * len(self._ids)
+            self._ids, self._values = np.zeros(room, np.int32), np.zeros(room, np.float32)
+        most = LONGEST * self._coefficients
+        ids, scale = np.zeros(most, np.int32), np.zeros(most, np.float32)
         steps = np.zeros((most, TILE), np.int8)
-        length, kept[t] = pack(
-            ids, values, starts, job.importance, job.coefficients, scratch, wavelets, scale, steps
+        length, kept = pack(
+            self._ids, self._values, self._starts, self._importance, self._coefficients,
+            self._scratch, ids, scale, steps,
+        )  # fmt: skip
+        self._lists.append(
+            PackedRows(np.array([length], np.int32), ids[:length], scale[:length], steps[:length])
         )
-        lists.append(
-            PackedRows(
-                np.array([length], np.int32), wavelets[:length], scale[:length], steps[:length]
-            )
-        )
-    joined = PackedRows(*(np.concatenate(parts) for parts in zip(*lists, strict=True)))
-    return {**joined._asdict(), "kept": kept, "rays": rays}
+        return float(kept)
 
-
-Rows = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32], int]
-"""first (b + 1,), cluster, weight (p,) as `rows.project` wants them, and the rays they took."""
+    def packed(self) -> PackedRows:
+        """All tiles."""
+        return PackedRows(*(np.concatenate(parts) for parts in zip(*self._lists, strict=True)))
 
 
 class _Rays:
@@ -140,27 +171,38 @@ class _Rays:
         most = TILE * job.count
         self._job, self._tracer = job, _tracer(job)
         self._origin, self._direction = np.zeros((2, most, 3), np.float32)
-        self._weight, self._cluster = np.zeros(most, np.float32), np.zeros(most, np.int32)
+        self._weight, self._escaped = np.zeros((2, most), np.float32)
+        self._cluster, self._cell = np.zeros((2, most), np.int32)
         self._first = np.zeros(TILE + 1, np.int32)
+        self._openings = _Openings(job)
 
-    def __call__(self, index: NDArray[np.int32]) -> Rows:
+    def __call__(self, index: NDArray[np.int32]) -> tuple[Rows, Rows, int]:
+        """Rows of surfaces, rows of environment samples, and the rays that they took."""
         n = self._aim(index)
         job, origin, direction = self._job, self._origin[:n], self._direction[:n]
         hits = self._tracer.intersect(origin, direction)
+        escaped, more = self._escape(index, hits.triangle < 0)
         land(
             _grid(job), job.clusters.depth, job.positions, job.triangles, job.leaf_position,
             job.leaf_geometric, hits.triangle, hits.distance, origin, direction, self._cluster,
         )  # fmt: skip
         apart = self._tracer.occluded(origin, direction, 1.0)
         settle(self._first, hits.triangle, apart, self._weight)
-        return self._first, self._cluster, self._weight, n
+        return Rows(self._first, self._cluster, self._weight), escaped, n + more
 
-    def closed(self, index: NDArray[np.int32]) -> NDArray[np.float64]:
-        """(b,) share of each point's lobe that something is in."""
+    def look(self, index: NDArray[np.int32]) -> tuple[NDArray[np.float64], Rows, int]:
+        """(b,) share of each point's lobe that something is in, and what environment is in it."""
         n = self._aim(index)
-        hit = self._tracer.occluded(self._origin[:n], self._direction[:n])
-        sums = np.concatenate([[0.0], np.cumsum(self._weight[:n] * hit, dtype=np.float64)])
-        return (sums[self._first[1:]] - sums[self._first[:-1]]) / math.pi
+        free = ~self._tracer.occluded(self._origin[:n], self._direction[:n])
+        upto = np.concatenate([[0.0], np.cumsum(self._weight[:n] * ~free, dtype=np.float64)])
+        return np.diff(upto[self._first]) / math.pi, *self._escape(index, free)
+
+    def _escape(self, index: NDArray[np.int32], free: NDArray[np.bool_]) -> tuple[Rows, int]:
+        finer = self._openings(index, free, self._direction)
+        if finer is not None:
+            return finer
+        escape(free, self._direction, self._weight, DEPTH, self._cell, self._escaped)
+        return Rows(self._first, self._cell, self._escaped), 0
 
     def _aim(self, index: NDArray[np.int32]) -> int:
         job = self._job
@@ -171,6 +213,36 @@ class _Rays:
         return rays
 
 
+class _Openings:
+    """Rows of environment samples by rays through openings, with room for them."""
+
+    def __init__(self, job: Job) -> None:
+        most = TILE * job.opening_rays
+        self._job, self._tracer = job, _tracer(job)
+        self._origin, self._direction = np.zeros((2, most, 3), np.float32)
+        self._weight, self._cluster = np.zeros(most, np.float32), np.zeros(most, np.int32)
+        self._first = np.zeros(TILE + 1, np.int32)
+
+    def __call__(
+        self, index: NDArray[np.int32], free: NDArray[np.bool_], direction: NDArray[np.float32]
+    ) -> tuple[Rows, int] | None:
+        """Rows, and the rays they took; None where the rays that found openings will do."""
+        job = self._job
+        if job.opening_rays == 0 or free.all() or not free.any():
+            return None
+        cells = open_cells(free, direction)
+        deeper = refinement(len(cells), job.opening_rays, DEPTH)
+        if deeper == 0:
+            return None
+        n = aim_through(
+            index, job.position, job.normal, job.geometric, cells, deeper, DEPTH,
+            self._tracer.epsilon, job.seed, self._origin, self._direction, self._first,
+            self._cluster, self._weight,
+        )  # fmt: skip
+        self._weight[:n] *= ~self._tracer.occluded(self._origin[:n], self._direction[:n])
+        return Rows(self._first, self._cluster, self._weight), n
+
+
 class _Links:
     """Rows of a tile by links, with room for them."""
 
@@ -179,14 +251,15 @@ class _Links:
         self._room = room_for_links(TILE, 1 << 16, 1 << 18)
         self._hemisphere = _Rays(replace(job, count=HEMISPHERE))
 
-    def __call__(self, index: NDArray[np.int32]) -> Rows:
+    def __call__(self, index: NDArray[np.int32]) -> tuple[Rows, Rows, int]:
+        """As of `_Rays`."""
         job, n = self._job, self._find(index)
         room = self._room
         blocked = self._tracer.occluded(room.origin[:n], room.direction[:n], 1.0)
         hide(room.first, room.link, room.weight, blocked)
-        closed = self._hemisphere.closed(index)
+        closed, escaped, more = self._hemisphere.look(index)
         closure(room.first, room.cluster, room.weight, job.clusters.depth, closed, SURE)
-        return room.first, room.cluster, room.weight, n
+        return Rows(room.first, room.cluster, room.weight), escaped, n + more
 
     def _find(self, index: NDArray[np.int32]) -> int:
         job = self._job

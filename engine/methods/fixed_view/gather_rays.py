@@ -25,6 +25,7 @@ from engine.methods.fixed_view.hierarchy import level_start
 from engine.methods.fixed_view.nearest import nearest
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import tangents, to_local, to_world
+from engine.numerics.octahedron import cell as cell_of
 from engine.numerics.sampling import uniform
 from engine.numerics.vec import add, cross, dot, normalize, scale, sub, vec
 
@@ -82,6 +83,20 @@ def aim(
             weight[r] *= math.pi / total
     first[index.shape[0]] = rays
     return rays
+
+
+@njit(cache=True, nogil=True)
+def escape(free, direction, weight, depth, cell, escaped):
+    """Give the weight of rays that hit nothing to the environment samples of their directions.
+
+    free (r,) bool; fills cell (r,), clusters of the tree over 4^depth samples, and escaped (r,),
+    weights that are 0 for rays that hit something.
+    """
+    for r in range(free.shape[0]):
+        cell[r], escaped[r] = 0, 0.0
+        if free[r]:
+            cell[r] = level_start(depth) + cell_of(vec(direction, r), depth)
+            escaped[r] = weight[r]
 
 
 @njit(cache=True, nogil=True)
