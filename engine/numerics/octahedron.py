@@ -52,6 +52,16 @@ def direction(u, v):
 
 
 @njit
+def beyond(u, v):
+    """The direction of (u, v) that may lie over an edge of the square, where the sphere goes on."""
+    if abs(u) > 1.0:
+        u, v = math.copysign(2.0 - abs(u), u), -v
+    if abs(v) > 1.0:
+        u, v = -u, math.copysign(2.0 - abs(v), v)
+    return direction(u, v)
+
+
+@njit
 def cell(d, depth):
     """Number of the cell, one of 4^depth, that a unit direction d falls into."""
     u, v = square(d)

@@ -147,7 +147,7 @@ def _job(
         ),
         # Links know no lobes, so gloss is gathered by rays in any case.
         count=rays if gloss or s.gather == "rays" else 0,
-        opening_rays=s.opening_rays if name == "final" else 0,
+        opening_rays=0 if name == "bounce" else s.opening_rays,
         link_size=link_size,
         patch_size=s.patch_size,
         coefficients=coefficients,

@@ -44,7 +44,7 @@ class Settings:
     bounce_rays: int = 233
     """Rays of a gather sample: 16 to 65,536."""
 
-    opening_rays: int = 512
+    opening_rays: int = 1024
     """Rays of a view sample through windows and other openings to the environment: 0 to 65,536. See
     `fixed_view.openings`."""
 

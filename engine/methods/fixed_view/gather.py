@@ -22,7 +22,7 @@ from engine.methods.fixed_view.hierarchy import Clusters
 from engine.methods.fixed_view.importance import environment_importance
 from engine.methods.fixed_view.links import closure, find_links, hide, room_for_links
 from engine.methods.fixed_view.nearest import Grid, build_grid
-from engine.methods.fixed_view.openings import aim_through, open_cells, refinement
+from engine.methods.fixed_view.openings import aim_through, open_cells, share
 from engine.methods.fixed_view.rows import TILE, PackedRows, make_scratch, pack, project
 from engine.numerics.haar import levels
 from engine.scene.rays import RayTracer
@@ -173,8 +173,8 @@ class _Rays:
         self._origin, self._direction = np.zeros((2, most, 3), np.float32)
         self._weight, self._escaped = np.zeros((2, most), np.float32)
         self._cluster, self._cell = np.zeros((2, most), np.int32)
-        self._first = np.zeros(TILE + 1, np.int32)
-        self._openings = _Openings(job)
+        self._first, self._norm = np.zeros(TILE + 1, np.int32), np.zeros(TILE)
+        self._openings = _Openings(job, self._tracer) if job.opening_rays else None
 
     def __call__(self, index: NDArray[np.int32]) -> tuple[Rows, Rows, int]:
         """Rows of surfaces, rows of environment samples, and the rays that they took."""
@@ -198,49 +198,72 @@ class _Rays:
         return np.diff(upto[self._first]) / math.pi, *self._escape(index, free)
 
     def _escape(self, index: NDArray[np.int32], free: NDArray[np.bool_]) -> tuple[Rows, int]:
-        finer = self._openings(index, free, self._direction)
-        if finer is not None:
-            return finer
         escape(free, self._direction, self._weight, DEPTH, self._cell, self._escaped)
-        return Rows(self._first, self._cell, self._escaped), 0
+        rows = Rows(self._first, self._cell, self._escaped)
+        if self._openings is None or free.all() or not free.any():
+            return rows, 0
+        return self._openings(index, rows, self._norm, free, self._direction)
 
     def _aim(self, index: NDArray[np.int32]) -> int:
         job = self._job
         rays: int = aim(
             index, job.position, job.normal, job.geometric, *job.lobes, self._tracer.epsilon,
             job.seed, job.count, self._origin, self._direction, self._first, self._weight,
+            self._norm,
         )  # fmt: skip
         return rays
 
 
 class _Openings:
-    """Rows of environment samples by rays through openings, with room for them."""
+    """More rays through openings, with room for them."""
 
-    def __init__(self, job: Job) -> None:
+    def __init__(self, job: Job, tracer: RayTracer) -> None:
         most = TILE * job.opening_rays
-        self._job, self._tracer = job, _tracer(job)
+        self._job, self._tracer = job, tracer
         self._origin, self._direction = np.zeros((2, most, 3), np.float32)
         self._weight, self._cluster = np.zeros(most, np.float32), np.zeros(most, np.int32)
         self._first = np.zeros(TILE + 1, np.int32)
 
     def __call__(
-        self, index: NDArray[np.int32], free: NDArray[np.bool_], direction: NDArray[np.float32]
-    ) -> tuple[Rows, int] | None:
-        """Rows, and the rays they took; None where the rays that found openings will do."""
+        self,
+        index: NDArray[np.int32],
+        rows: Rows,
+        norm: NDArray[np.float64],
+        free: NDArray[np.bool_],
+        direction: NDArray[np.float32],
+    ) -> tuple[Rows, int]:
+        """The rows of rays of which some are free, made finer, and the rays that it took."""
         job = self._job
-        if job.opening_rays == 0 or free.all() or not free.any():
-            return None
-        cells = open_cells(free, direction)
-        deeper = refinement(len(cells), job.opening_rays, DEPTH)
-        if deeper == 0:
-            return None
+        is_open = open_cells(free, direction)
+        cells = np.flatnonzero(is_open).astype(np.int32)
+        k = math.isqrt(job.opening_rays // len(cells))
+        if k == 0:
+            return rows, 0
         n = aim_through(
-            index, job.position, job.normal, job.geometric, cells, deeper, DEPTH,
-            self._tracer.epsilon, job.seed, self._origin, self._direction, self._first,
+            index, job.position, job.normal, job.geometric, *job.lobes, job.count, norm, cells, k,
+            DEPTH, self._tracer.epsilon, job.seed, self._origin, self._direction, self._first,
             self._cluster, self._weight,
         )  # fmt: skip
         self._weight[:n] *= ~self._tracer.occluded(self._origin[:n], self._direction[:n])
-        return Rows(self._first, self._cluster, self._weight), n
+        share(
+            index, job.normal, *job.lobes, job.count, is_open, k, rows.first, direction, free,
+            rows.weight,
+        )  # fmt: skip
+        return both(rows, Rows(self._first, self._cluster, self._weight)), n
+
+
+def both(a: Rows, b: Rows) -> Rows:
+    """Rows that have the entries of two."""
+    length = np.diff(a.first), np.diff(b.first)
+    first = np.concatenate([[0], np.cumsum(length[0] + length[1])]).astype(np.int32)
+    order = np.argsort(
+        np.concatenate([np.repeat(np.arange(len(n)), n) for n in length]), kind="stable"
+    )
+    cluster, weight = (
+        np.concatenate([x[: a.first[-1]], y[: b.first[-1]]])[order]
+        for x, y in zip(a[1:], b[1:], strict=True)
+    )
+    return Rows(first, cluster, weight)
 
 
 class _Links:

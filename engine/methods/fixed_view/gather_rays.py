@@ -38,14 +38,14 @@ SHIFTS = 1 << 20  # dimensions of `uniform` from here on turn the lattice of eac
 @njit(cache=True, nogil=True)
 def aim(
     index, position, normal, geometric, view, model, row, epsilon, seed, count, origin, direction,
-    first, weight,
+    first, weight, norm,
 ):  # fmt: skip
     """Up to `count` rays from each of the points `index` (b,); -1 is no point.
 
     position, normal, geometric, view (n, 3), model (n,), row (n, 16) as in `Points`, but with one
     part of the BRDF alone. Fills origin, direction (b * count, 3) and weight (b * count,); row b
-    owns first[b] to first[b + 1]. Returns the number of rays. The weights of a row sum to π, less
-    those of rays that a shading normal sends under the surface.
+    owns first[b] to first[b + 1]. norm (b,) gets π / (a N). Returns the number of rays. The weights
+    of a row sum to π, less those of rays that a shading normal sends under the surface.
     """
     rows = borrow(row)
     rays = 0
@@ -79,8 +79,9 @@ def aim(
                 direction[rays, c] = d[c]
             weight[rays] = w
             rays += 1
+        norm[b] = math.pi / total if total > 0.0 else 0.0
         for r in range(first[b], rays):
-            weight[r] *= math.pi / total
+            weight[r] *= norm[b]
     first[index.shape[0]] = rays
     return rays
 
