@@ -32,7 +32,9 @@ def ceiling():
     ]
     return scene(
         camera=camera(8),
-        objects=[rectangle(f"pane {k}", size, at, [90, 0, 0]) for k, (size, at) in enumerate(panes)],
+        objects=[
+            rectangle(f"pane {k}", size, at, [90, 0, 0]) for k, (size, at) in enumerate(panes)
+        ],
     )
 
 
