@@ -1,6 +1,6 @@
 // The environment's side: which map, how it is turned, how bright, and where the sun of a sky stands.
 
-import { fromHex, strength, toHex } from "./colour.js";
+import { fromHex, strength, toHex, withStrength } from "./colour.js";
 import { capital, element, field, number } from "./fields.js";
 import { sunAngles, sunDirection } from "./sun.js";
 
@@ -25,8 +25,8 @@ export class EnvironmentPanel {
     this.map.replaceChildren(
       new Option("None", NONE),
       ...names.map((name) => new Option(capital(name), `map ${name}`)),
-      new Option("Even light", EVEN),
-      new Option("Clear sky", SKY),
+      new Option("Even", EVEN),
+      new Option("Sky", SKY),
     );
     this.#built = null;
     this.draw();
@@ -62,7 +62,7 @@ export class EnvironmentPanel {
     this.box.replaceChildren();
     if (!environment) return;
     if (Array.isArray(environment.map)) {
-      this.#colour("Even radiance", (map) => map, (colour) => colour);
+      this.#colour("Even radiance");
     } else if (typeof environment.map === "object") {
       this.#sun("Sun height", "height", 0, 90);
       this.#sun("Sun azimuth", "azimuth", -180, 180);
@@ -71,7 +71,10 @@ export class EnvironmentPanel {
         get: ({ map }) => map.turbidity,
         set: (turbidity, { map }) => ({ map: { ...map, turbidity } }),
       });
-      this.#colour("Ground", (map) => map.ground, (ground, map) => ({ ...map, ground }));
+      this.#slider("Ground", { min: 0, max: 1, step: 0.01 }, "", {
+        get: ({ map }) => strength(map.ground),
+        set: (albedo, { map }) => ({ map: { ...map, ground: withStrength(map.ground, albedo) } }),
+      });
     }
     if (!Array.isArray(environment.map)) {
       this.#slider("Rotation", { min: -180, max: 180, step: 1 }, "°", {
@@ -121,7 +124,7 @@ export class EnvironmentPanel {
     });
     const both = element("span", { className: "pair" });
     both.append(slider, exact);
-    this.box.append(field(label, both, unit));
+    this.box.append(field(label, both, unit || " "));
     this.#fields.push((environment) => {
       const value = get(environment);
       if (document.activeElement !== slider) slider.value = toSlider(value);
@@ -130,18 +133,17 @@ export class EnvironmentPanel {
     });
   }
 
-  #colour(label, get, set) {
+  #colour(label) {
     const input = element("input", { type: "color" });
     const pick = (moving) => {
       const { map } = this.state.environment;
-      const colour = fromHex(input.value, strength(get(map)) || 0.5);
-      this.#change({ map: set(colour, map) }, moving);
+      this.#change({ map: fromHex(input.value, strength(map) || 0.5) }, moving);
     };
     input.addEventListener("input", () => pick(true));
     input.addEventListener("change", () => pick(false));
     this.box.append(field(label, input));
     this.#fields.push(({ map }) => {
-      if (document.activeElement !== input) input.value = toHex(get(map));
+      if (document.activeElement !== input) input.value = toHex(map);
     });
   }
 }

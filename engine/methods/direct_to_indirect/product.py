@@ -126,7 +126,7 @@ class Transfer:
         with clock("compose"):
             self._compose(arriving, mirrored, image, scale)
         height, width = view.shape(scale)
-        warnings = self._warnings(missing)
+        warnings = self._warnings(missing, environment)
         return Frame(image.reshape(height, width, 3), clock.timings(), warnings)
 
     def indirect(self, edits: Edits) -> NDArray[np.float32]:
@@ -160,8 +160,10 @@ class Transfer:
             at_edges = (buffer.edge, buffer.donor, arriving, mirrored, *self._sub, image)
             for_ranges(_add_at_edges, len(buffer.edge), *at_edges)
 
-    def _warnings(self, missing: float) -> tuple[Diagnosis, ...]:
+    def _warnings(self, missing: float, environment: Environment | None) -> tuple[Diagnosis, ...]:
         found = []
+        if environment is not None:
+            found += self._environment.warnings(self._settings.view_rays)
         if missing > NEGLIGIBLE:
             found.append(
                 Diagnosis(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from methods.scenes import POINT, camera, cornell, rectangle, scene, white_room
 from numpy.typing import NDArray
 
+from engine.images import write_image
 from engine.light.environment_samples import places_on_map, seen_radiance
 from engine.measure.edges import scene_edges
 from engine.methods import prepare
@@ -269,6 +271,29 @@ def test_without_an_environment_no_row_is_read(make: Make) -> None:
     lit = product.relight(sky(map="studio"))
     assert lit.image.mean() > bare.image.mean() + 0.01
     assert product.relight(Edits()).image.tobytes() == bare.image.tobytes()
+
+
+def test_a_sun_in_a_map_is_said(make: Make, tmp_path: Path) -> None:
+    """Maps without one, and the same sun where nobody sees the sky, are not."""
+    image = np.full((128, 256, 3), 0.1, np.float32)
+    image[30:32, 60:62] = 2000
+    write_image(tmp_path / "sun.exr", image)
+    for room, told in ((floor(), True), (white_room(0.5, [POINT]), False)):
+        product = make(replace(room, folder=str(tmp_path)))
+        frame = product.relight(sky(map="sun.exr"))
+        found = [w for w in frame.warnings if w.code == "environment_too_sharp"]
+        assert bool(found) == told
+        for fields in ({"map": "studio"}, {"map": CLEAR_SKY}, {"map": [0, 0, 0]}):
+            codes = [w.code for w in product.relight(sky(**fields)).warnings]
+            assert "environment_too_sharp" not in codes
+        if told:
+            assert "type sun" in found[0].message
+            # The sun is missed by most pixels' rays: so wrong is the picture indeed.
+            truth = render(
+                apply(replace(room, folder=str(tmp_path)), sky(map="sun.exr")), samples=64
+            )
+            wrong = off_by(frame.image, truth, surfaces(product))[0]
+            assert wrong / 2 < found[0].size < 2 * wrong
 
 
 def test_the_transport_does_not_depend_on_the_environment() -> None:
