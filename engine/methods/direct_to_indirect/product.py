@@ -89,19 +89,23 @@ class Transfer:
         clock = _Clock()
         view, cloud = self.view, self.cloud
         lights, environment = self._edited(edits)
+        suns: tuple[Light, ...] = ()
+        if environment is not None:
+            with clock("environment"):
+                self._environment.use(environment)
+                suns = self._environment.suns
 
         # Direct light on gather samples: g.
         with clock("gather_direct"):
             g = view.pictures.total(
                 "gather",
-                lights,
+                lights + suns,
                 lambda light: light_on_points(view.scene.rays, cloud.points, light),
                 len(cloud),
             )
             g += cloud.emission
         if environment is not None:
-            with clock("environment"):
-                self._environment.use(environment)
+            with clock("environment_gather"):
                 g += self._environment.gather
 
         # Bounces within the cloud: (I + P + ... + P^b) g, from here on in wavelet space.
@@ -122,7 +126,7 @@ class Transfer:
                 if glossy:
                     mirrored += gloss
         with clock("view_direct"):
-            image = view.direct(lights, scale, environment)
+            image = view.direct(lights, scale, environment, suns)
         with clock("compose"):
             self._compose(arriving, mirrored, image, scale)
         height, width = view.shape(scale)
@@ -133,7 +137,8 @@ class Transfer:
         """The indirect part of the full picture alone, (height, width, 3): for tests and charts."""
         frame = self.relight(edits)
         lights, environment = self._edited(edits)
-        direct = self.view.direct(lights, 1, environment)
+        suns = self._environment.suns if environment is not None else ()
+        direct = self.view.direct(lights, 1, environment, suns)
         if environment is not None:
             self._compose(*self._environment.view(1, len(direct)), direct, 1)
         return frame.image - direct.reshape(frame.image.shape)
