@@ -131,7 +131,7 @@ def gather_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
                 mean[:count].copy(),
                 scale[:count].copy(),
                 steps[:size].copy(),
-            )  # fmt: skip
+            )
         )
     joined = PackedRows(*(np.concatenate(parts) for parts in zip(*lists, strict=True)))
     return {**joined._asdict(), "kept": kept, "rays": rays}
@@ -200,10 +200,19 @@ class _Links:
         job = self._job
         while True:
             links: int = find_links(
-                index, job.position, job.normal, job.geometric, job.leaf_position,
-                job.leaf_geometric, job.clusters, job.link_size, job.patch_size,
-                self._tracer.epsilon, job.seed, self._room,
-            )  # fmt: skip
+                index,
+                job.position,
+                job.normal,
+                job.geometric,
+                job.leaf_position,
+                job.leaf_geometric,
+                job.clusters,
+                job.link_size,
+                job.patch_size,
+                self._tracer.epsilon,
+                job.seed,
+                self._room,
+            )
             if links >= 0:
                 return links
             self._room = room_for_links(TILE, 2 * len(self._room.origin), 2 * len(self._room.link))
