@@ -23,15 +23,14 @@ from engine.methods.fixed_view.importance import environment_importance
 from engine.methods.fixed_view.links import closure, find_links, hide, room_for_links
 from engine.methods.fixed_view.nearest import Grid, build_grid
 from engine.methods.fixed_view.openings import aim_through, open_cells, share
-from engine.methods.fixed_view.rows import TILE, PackedRows, make_scratch, pack, project
-from engine.numerics.haar import levels
+from engine.methods.fixed_view.packer import Packer, Rows
+from engine.methods.fixed_view.rows import TILE
 from engine.scene.rays import RayTracer
 
 CHUNK_TILES = 64
 ENVIRONMENT = "environment_"
 HEMISPHERE = 64  # rays that measure how closed a point's surroundings are
 SURE = 0.03  # standard error of such a measure, at most
-LONGEST = 8  # a tile's list is at most so many times the coefficients asked for
 
 
 class Lobes(NamedTuple):
@@ -108,60 +107,16 @@ def gather_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     """
     tiles = job.tiles[chunk * CHUNK_TILES : (chunk + 1) * CHUNK_TILES]
     gather = _Rays(job) if job.count else _Links(job)
-    surfaces = _Packer(job.importance, job.coefficients)
-    beyond = _Packer(environment_importance(), job.coefficients)
+    surfaces = Packer(job.importance, job.coefficients)
+    beyond = Packer(environment_importance(), job.coefficients)
     kept = np.ones(len(tiles), np.float32)
     rays = np.zeros(len(tiles), np.int64)
     for t, index in enumerate(tiles):
         landed, escaped, rays[t] = gather(index)
-        kept[t] = surfaces.add(landed)
-        beyond.add(escaped)
+        kept[t] = surfaces.add(landed, index >= 0)
+        beyond.add(escaped, index >= 0)
     environment = {ENVIRONMENT + k: a for k, a in beyond.packed()._asdict().items()}
     return {**surfaces.packed()._asdict(), **environment, "kept": kept, "rays": rays}
-
-
-class Rows(NamedTuple):
-    """Rows of a tile as `rows.project` wants them: first (b + 1,), cluster, weight (p,)."""
-
-    first: NDArray[np.int32]
-    cluster: NDArray[np.int32]
-    weight: NDArray[np.float32]
-
-
-class _Packer:
-    """Packs tile after tile, with room for it."""
-
-    def __init__(self, importance: NDArray[np.float32], coefficients: int) -> None:
-        self._importance, self._coefficients = importance, coefficients
-        self._depth = levels(len(importance))
-        self._scratch = make_scratch(len(importance))
-        self._ids, self._values = np.zeros(1 << 19, np.int32), np.zeros(1 << 19, np.float32)
-        self._starts = np.zeros(TILE + 1, np.int64)
-        self._lists: list[PackedRows] = []
-
-    def add(self, rows: Rows) -> float:
-        """Pack a tile; returns the share of its energy that was kept."""
-        while True:
-            args = (self._depth, self._scratch, self._ids, self._values, self._starts)
-            if project(*rows, *args) >= 0:
-                break
-            room = 2 * len(self._ids)
-            self._ids, self._values = np.zeros(room, np.int32), np.zeros(room, np.float32)
-        most = LONGEST * self._coefficients
-        ids, scale = np.zeros(most, np.int32), np.zeros(most, np.float32)
-        steps = np.zeros((most, TILE), np.int8)
-        length, kept = pack(
-            self._ids, self._values, self._starts, self._importance, self._coefficients,
-            self._scratch, ids, scale, steps,
-        )  # fmt: skip
-        self._lists.append(
-            PackedRows(np.array([length], np.int32), ids[:length], scale[:length], steps[:length])
-        )
-        return float(kept)
-
-    def packed(self) -> PackedRows:
-        """All tiles."""
-        return PackedRows(*(np.concatenate(parts) for parts in zip(*self._lists, strict=True)))
 
 
 class _Rays:
@@ -288,10 +243,19 @@ class _Links:
         job = self._job
         while True:
             links: int = find_links(
-                index, job.position, job.normal, job.geometric, job.leaf_position,
-                job.leaf_geometric, job.clusters, job.link_size, job.patch_size,
-                self._tracer.epsilon, job.seed, self._room,
-            )  # fmt: skip
+                index,
+                job.position,
+                job.normal,
+                job.geometric,
+                job.leaf_position,
+                job.leaf_geometric,
+                job.clusters,
+                job.link_size,
+                job.patch_size,
+                self._tracer.epsilon,
+                job.seed,
+                self._room,
+            )
             if links >= 0:
                 return links
             self._room = room_for_links(TILE, 2 * len(self._room.origin), 2 * len(self._room.link))

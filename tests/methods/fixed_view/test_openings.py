@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from methods.fixed_view.gather_matrix import job, square
+from methods.fixed_view.gather_matrix import job, square, unpacked
 from methods.fixed_view.test_links import parallel
 from methods.scenes import camera, rectangle, scene
 
@@ -52,10 +52,8 @@ def escaping(lobes: Lobes, opening_rays: int, count: int = 233) -> np.ndarray:
         0,
     )  # fmt: skip
     rows = PackedRows(*(made[ENVIRONMENT + f] for f in PackedRows._fields))
-    dense = np.zeros((4**DEPTH, 64), np.float32)
-    for k, wavelet in enumerate(rows.ids):
-        dense[wavelet] = rows.scale[k] * rows.steps[k]
-    return haar.inverse(dense).T
+    dense = unpacked(rows, 4**DEPTH)
+    return haar.inverse(np.ascontiguousarray(dense.T, np.float32)).T
 
 
 UP = np.tile(np.float32([0, 1, 0]), (64, 1))
