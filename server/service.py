@@ -8,14 +8,24 @@ from dataclasses import asdict
 from typing import Any
 
 from engine.errors import EditNotSupported, NotFound
+from engine.light.maps import BUILT_IN
+from engine.light.sky import Sky
 from engine.light.table import LIGHTS
 from engine.methods import METHODS, prepare
 from engine.methods.base import Progress
 from engine.scene.camera import Camera
+from engine.scene.scene import Scene
 from server.jobs import Jobs
 from server.precompute import Task, run_in_process, settings_of
 from server.stage import METHOD, Stage, Stages
-from server.wire import JobState, MethodState, Notice, PrecomputeRequest, SceneDetail
+from server.wire import (
+    EnvironmentDetail,
+    JobState,
+    MethodState,
+    Notice,
+    PrecomputeRequest,
+    SceneDetail,
+)
 from server.worker import Drawn, Order, Worker, draw
 
 Precompute = Callable[[Task, Progress], None]
@@ -129,6 +139,7 @@ class Service:
             diagonal=scene.diagonal,
             lights=[light.model_dump() for light in scene.lights],
             light_types=light_types(),
+            environment=environment_detail(scene),
             materials=list(scene.material_names),
             objects=list(scene.object_names),
             triangles=len(scene.geometry.triangles),
@@ -141,6 +152,16 @@ class Service:
 def light_types() -> dict[str, dict[str, Any]]:
     """The JSON schema of every kind of light, by its `type`."""
     return {kind.model_fields["type"].default: kind.model_json_schema() for kind in LIGHTS}
+
+
+def environment_detail(scene: Scene) -> EnvironmentDetail:
+    """What the page needs to know to edit a scene's environment."""
+    own = scene.environment
+    return EnvironmentDetail(
+        description=None if own is None else own.description.model_dump(),
+        maps=list(BUILT_IN),
+        sky=Sky.model_json_schema(),
+    )
 
 
 def with_job(drawn: Drawn, job: JobState | None) -> Drawn:

@@ -43,7 +43,7 @@ class Edits(AnyEdits):
             raise PydanticCustomError(
                 "map_file",
                 "map {name} is not built in, and no file can be asked for here; "
-                "there are {known}, or a radiance [r, g, b]",
+                "there are {known}, a radiance [r, g, b], or a sky",
                 {"name": repr(name), "known": ", ".join(BUILT_IN)},
             )
         return change
@@ -93,6 +93,18 @@ class MethodState(Wire):
     bytes: int = 0
 
 
+class EnvironmentDetail(Wire):
+    """The scene's own environment, None where there is none; what else its map may be.
+
+    maps  names of built-in ones; besides them a radiance [r, g, b] or what the JSON schema `sky`
+          describes
+    """
+
+    description: dict[str, Any] | None
+    maps: list[str]
+    sky: dict[str, Any]
+
+
 class SceneDetail(Wire):
     """What can be seen and edited in a scene; `light_types` has a JSON schema per type."""
 
@@ -102,6 +114,7 @@ class SceneDetail(Wire):
     diagonal: float
     lights: list[dict[str, Any]]
     light_types: dict[str, dict[str, Any]]
+    environment: EnvironmentDetail
     materials: list[str]
     objects: list[str]
     triangles: int

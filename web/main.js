@@ -1,5 +1,6 @@
 // The page: wires state, picture, handles, panels and the live socket together.
 
+import { EnvironmentPanel } from "./environment.js";
 import { Handles } from "./handles.js";
 import { Live } from "./live.js";
 import { Orbit } from "./orbit.js";
@@ -26,11 +27,13 @@ const handles = new Handles(state, {
 const panel = new Panel(state, {
   list: find("lights"), light: find("light"), add: find("add"), reset: find("reset"),
 });
+const environment = new EnvironmentPanel(state, {
+  box: find("environment"), map: find("environment-map"), reset: find("environment-reset"),
+});
 new Orbit(state, find("picture"), find("camera-mode"));
 
 state.listen((what, moving) => {
-  if (what === "scene") panel.open();
-  else panel.draw();
+  for (const side of [panel, environment]) what === "scene" ? side.open() : side.draw();
   handles.draw();
   find("camera-reset").disabled = !state.cameraMoved;
   if (what === "exposure") drawExposure();

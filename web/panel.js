@@ -1,6 +1,7 @@
 // The lights' side: a list with switches, and every number of the selected light.
 
 import { fromHex, strength, toHex, withStrength } from "./colour.js";
+import { capital, element, field, number, words } from "./fields.js";
 
 const [INTENSITY, RADIANCE, IRRADIANCE] = ["W/sr", "W/(sr·m²)", "W/m²"];
 const UNITS = {
@@ -45,7 +46,7 @@ export class Panel {
     const key = light ? `${light.id} ${light.type}` : "";
     if (key !== this.#built) this.#build(light);
     this.#built = key;
-    if (light) for (const field of this.#fields) field(light);
+    if (light) for (const show of this.#fields) show(light);
   }
 
   #drawList() {
@@ -111,16 +112,7 @@ export class Panel {
   }
 
   #field(label, control, unit = "") {
-    const row = element("div", { className: "field" });
-    const identity = `field-${label.replace(/\W+/g, "-")}`;
-    const name = element("label", { textContent: label, htmlFor: identity });
-    (control.matches("input") ? control : control.querySelector("input")).id = identity;
-    const cell = element("span", { className: "unit" });
-    cell.append(control);
-    if (unit) cell.append(element("small", { textContent: unit }));
-    row.append(name, cell);
-    this.box.append(row);
-    return row;
+    this.box.append(field(label, control, unit));
   }
 
   #colour(change) {
@@ -226,11 +218,3 @@ export class Panel {
     });
   }
 }
-
-function element(tag, properties) {
-  return Object.assign(document.createElement(tag), properties);
-}
-
-const capital = (word) => word[0].toUpperCase() + word.slice(1);
-const words = (name) => capital(name.replace(/_degrees$/, "").replaceAll("_", " "));
-const number = (value) => String(Number(Number(value).toPrecision(4)));

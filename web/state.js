@@ -1,6 +1,7 @@
 // What the person has changed: plain data, one way to change it, listeners.
 
 import { strength } from "./colour.js";
+import { isAlong, skySun, turned } from "./sun.js";
 import { add, mix, scale, sub } from "./vector.js";
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
@@ -11,13 +12,14 @@ export class State {
   constructor() {
     this.scene = null;
     this.lights = [];
+    this.environment = null;
     this.camera = null;
     this.exposure = 0;
     this.selected = null;
   }
 
-  // Called as listener(what, moving): what is "scene", "lights", "camera", "exposure" or
-  // "selected"; moving is true while the hand is still at it.
+  // Called as listener(what, moving): what is "scene", "lights", "environment", "camera",
+  // "exposure" or "selected"; moving is true while the hand is still at it.
   listen(listener) {
     this.#listeners.push(listener);
   }
@@ -29,6 +31,7 @@ export class State {
   open(scene) {
     this.scene = scene;
     this.lights = structuredClone(scene.lights);
+    this.environment = structuredClone(scene.environment.description);
     this.camera = structuredClone(scene.camera);
     this.selected = scene.lights[0]?.id ?? null;
     this.#tell("scene");
@@ -46,14 +49,44 @@ export class State {
     return !same(this.lights, this.scene?.lights);
   }
 
+  get environmentChanged() {
+    return !same(this.environment, this.scene?.environment.description);
+  }
+
   get cameraMoved() {
     return !same(this.camera, this.scene?.camera);
   }
 
-  // Replace some fields of a light.
+  // Replace some fields of a light. A sun light that stands where the sky has its sun is that sun:
+  // whichever of the two the hand moves takes the other along.
   change(id, fields, moving = false) {
+    const old = this.light(id);
+    const sun = old?.type === "sun" && fields.direction ? skySun(this.environment) : null;
     this.lights = this.lights.map((light) => (light.id === id ? { ...light, ...fields } : light));
+    if (sun && isAlong(old.direction, sun) && fields.direction[1] <= 0) {
+      const direction = turned(fields.direction, -this.environment.rotation_degrees);
+      const map = { ...this.environment.map, sun_direction: direction };
+      this.environment = { ...this.environment, map };
+    }
     this.#tell("lights", moving);
+  }
+
+  // The whole environment; null is none.
+  setEnvironment(environment, moving = false) {
+    const [before, after] = [skySun(this.environment), skySun(environment)];
+    this.environment = environment;
+    if (before && after && !same(before, after)) {
+      this.lights = this.lights.map((light) =>
+        light.type === "sun" && isAlong(light.direction, before)
+          ? { ...light, direction: after }
+          : light,
+      );
+    }
+    this.#tell("environment", moving);
+  }
+
+  resetEnvironment() {
+    this.setEnvironment(structuredClone(this.scene.environment.description));
   }
 
   select(id) {
@@ -145,6 +178,14 @@ export class State {
     this.setCamera(structuredClone(this.scene.camera));
   }
 
+  // What differs from the scene's own, whose map may be a file that nobody can ask for by name.
+  #environmentEdit() {
+    const own = this.scene.environment.description;
+    if (!this.environment) return { intensity: 0 };
+    const changed = Object.entries(this.environment).filter(([key, value]) => !same(value, own?.[key]));
+    return Object.fromEntries(changed);
+  }
+
   // As `POST /api/scenes/{scene}/frame` and `relight render --edits` take them.
   edits() {
     const edits = {};
@@ -152,6 +193,7 @@ export class State {
       (light) => !same(light, this.scene.lights.find((old) => old.id === light.id)),
     );
     if (lights.length) edits.lights = lights;
+    if (this.environmentChanged) edits.environment = this.#environmentEdit();
     if (this.cameraMoved) {
       const { position, target, up, fov_y_degrees } = this.camera;
       edits.camera = { position, target, up, fov_y_degrees };

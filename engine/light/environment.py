@@ -64,6 +64,13 @@ class Environment:
         return environment_table(self)
 
 
+def is_same(a: Environment | None, b: Environment | None) -> bool:
+    """Whether both shine alike: the same map under equal descriptions."""
+    if a is None or b is None:
+        return a is b
+    return a.radiance is b.radiance and a.description == b.description
+
+
 def environment_table(environment: Environment | None) -> EnvironmentTable:
     """Pack an environment, or its absence, for the kernels."""
     if environment is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -13,21 +14,25 @@ from engine.errors import SceneError
 from engine.images import read_image
 from engine.light.environment import Environment, EnvironmentDescription
 from engine.light.sky import Sky, sky
+from engine.numerics.description import Radiance
+
+KEPT_MAPS = 4
 
 
 def load_environment(description: EnvironmentDescription, folder: Path) -> Environment:
     """The environment of a description; file names are relative to `folder`.
 
-    Raises SceneError, naming the file, where the map is missing, damaged, not twice as wide as
-    high, or holds NaN or infinity. Negative values, which lossy EXR compression leaves near sharp
-    lamps, become 0.
+    The maps used last are kept, since a hand that turns one asks for it at every step. Raises
+    SceneError, naming the file, where the map is missing, damaged, not twice as wide as high, or
+    holds NaN or infinity. Negative values, which lossy EXR compression leaves near sharp lamps,
+    become 0.
     """
     if isinstance(description.map, Sky):
-        return Environment(description, sky(description.map))
+        return Environment(description, _sky(description.map))
     if not isinstance(description.map, str):
-        return Environment(description, np.full((1, 1, 3), description.map, np.float32))
+        return Environment(description, _constant(description.map))
     if description.map in BUILT_IN:
-        return Environment(description, BUILT_IN[description.map]())
+        return Environment(description, _built_in(description.map))
     path = folder / description.map
     if not path.is_file():
         raise SceneError(
@@ -35,7 +40,28 @@ def load_environment(description: EnvironmentDescription, folder: Path) -> Envir
             field="environment.map",
             file=description.map,
         )
-    return Environment(description, _checked(read_image(path), path))
+    return Environment(description, _file(path, path.stat().st_mtime_ns))
+
+
+@lru_cache(KEPT_MAPS)
+def _sky(description: Sky) -> NDArray[np.float32]:
+    return sky(description)
+
+
+@lru_cache(KEPT_MAPS)
+def _constant(radiance: Radiance) -> NDArray[np.float32]:
+    return np.full((1, 1, 3), radiance, np.float32)
+
+
+@lru_cache(KEPT_MAPS)
+def _built_in(name: str) -> NDArray[np.float32]:
+    return BUILT_IN[name]()
+
+
+@lru_cache(KEPT_MAPS)
+def _file(path: Path, modified: int) -> NDArray[np.float32]:
+    """`modified` makes a file that has changed another one."""
+    return _checked(read_image(path), path)
 
 
 def _checked(image: NDArray[np.float32], path: Path) -> NDArray[np.float32]:

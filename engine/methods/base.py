@@ -88,7 +88,7 @@ class Method:
 # Which method takes which edit: said to the user by the method that does not.
 EDITS = {
     "glossy_prt": frozenset({"camera", "environment"}),
-    "direct_to_indirect": frozenset({"lights"}),
+    "direct_to_indirect": frozenset({"lights", "environment"}),
     "brdf_editing": frozenset({"materials"}),
     "wavelet_brdf": frozenset({"camera", "lights"}),
 }

@@ -35,11 +35,13 @@ scene = open_scene(sys.argv[1])
 scene = scene.with_camera(edited_camera(scene.camera, {"width": 40, "height": 30}))
 store = Store(Path(sys.argv[2]))
 lights = [{"id": light.id, "intensity": [1, 2, 3]} for light in scene.lights]
+environment = {"map": "studio", "rotation_degrees": 20}
 settings = Settings(gather_samples=256)
 products = [prepare(scene, warm.METHOD, settings, store=store) for _ in range(2)]
 for view in (DirectPreview(scene), *products):
     for scale in (1, 2):
-        to_srgb8(view.relight(Edits(lights=lights), scale).image, 0.5)
+        edits = Edits(lights=lights, environment=environment)
+        to_srgb8(view.relight(edits, scale).image, 0.5)
 print(sorted(set(missed)))
 """
 

@@ -49,6 +49,10 @@ def test_describes_a_scene(client: Client) -> None:
     assert scene["light_types"]["spot"]["properties"]["cone_degrees"]["maximum"] == 90
     assert scene["methods"][0]["name"] == "direct_to_indirect"
     assert scene["methods"][0]["ready"] is False
+    assert scene["methods"][0]["edits"] == ["environment", "lights"]
+    assert scene["environment"]["description"] is None
+    assert scene["environment"]["maps"] == ["studio"]
+    assert scene["environment"]["sky"]["properties"]["turbidity"]["maximum"] == 10
     assert scene["triangles"] == 30
 
 

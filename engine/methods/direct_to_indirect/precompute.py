@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engine.methods.base import Progress
+from engine.methods.direct_to_indirect.environment import EnvironmentRows
 from engine.methods.direct_to_indirect.product import NAME, Transfer, glossy_pixels
 from engine.methods.direct_to_indirect.settings import Settings
 from engine.methods.fixed_view.chunks import run_chunks
 from engine.methods.fixed_view.cloud import GatherCloud, build_cloud, cloud_arrays, cloud_from
 from engine.methods.fixed_view.frame_buffer import Points
-from engine.methods.fixed_view.gather import Job, Lobes, cosine_lobes
+from engine.methods.fixed_view.gather import ENVIRONMENT, Job, Lobes, cosine_lobes
 from engine.methods.fixed_view.importance import wavelet_importance
 from engine.methods.fixed_view.rows import PackedRows, no_rows
 from engine.methods.fixed_view.tiles import pixel_tiles, run_tiles
@@ -55,16 +58,16 @@ def precompute(
         cloud = cloud_from(stored["cloud"].arrays, stored["cloud"].meta["area"])
 
     # Each matrix is finished before it is stored, its chunks are let go after that.
-    rows = {}
+    rows, beyond = {}, {}
     importance = None
     for name in MATRICES:
         found = stored[name]
         if found is not None:
-            rows[name] = PackedRows(**{f: found.arrays[f] for f in PackedRows._fields})
+            rows[name], beyond[name] = _both(found.arrays)
             continue
         tiles = _tiles(name, view, cloud)
         if (tiles < 0).all():
-            rows[name] = no_rows(len(tiles))
+            rows[name] = beyond[name] = no_rows(len(tiles))
             continue
         if importance is None:
             importance = wavelet_importance(scene, cloud, settings.seed)
@@ -75,11 +78,19 @@ def precompute(
             "rays": int(made["rays"].sum()),
             "kept": float(made["kept"].mean()),
         }
-        arrays = {field: made[field] for field in PackedRows._fields}
-        entry.write(name, arrays, meta)
-        rows[name] = PackedRows(**arrays)
+        entry.write(name, {k: a for k, a in made.items() if k not in meta}, meta)
+        rows[name], beyond[name] = _both(made)
     parts.remove()
-    return Transfer(view, settings, cloud, rows["bounce"], rows["final"], rows["gloss"])
+    return Transfer(view, settings, cloud, **rows, environment=EnvironmentRows(**beyond))
+
+
+def _both(arrays: Mapping[str, NDArray[Any]]) -> tuple[PackedRows, PackedRows]:
+    """Rows of gather samples and of environment samples."""
+    names = PackedRows._fields
+    return (
+        PackedRows(*(arrays[name] for name in names)),
+        PackedRows(*(arrays[ENVIRONMENT + name] for name in names)),
+    )
 
 
 def key(scene: Scene, settings: Settings) -> str:
@@ -136,6 +147,7 @@ def _job(
         ),
         # Links know no lobes, so gloss is gathered by rays in any case.
         count=rays if gloss or s.gather == "rays" else 0,
+        opening_rays=0 if name == "bounce" else s.opening_rays,
         link_size=link_size,
         patch_size=s.patch_size,
         coefficients=coefficients,

@@ -5,17 +5,19 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.backend.cpu.environment import environment_on_points
 from engine.backend.cpu.product import multiply
 from engine.diagnosis import Diagnosis
-from engine.light.environment import environment_table
+from engine.light.base import Light
+from engine.light.environment import Environment
 from engine.methods.base import Frame, require_supported
 from engine.methods.direct_to_indirect.bounces import Bounces
+from engine.methods.direct_to_indirect.environment import EnvironmentLight, EnvironmentRows
 from engine.methods.direct_to_indirect.settings import Settings
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.direct import light_on_points
@@ -24,10 +26,9 @@ from engine.methods.fixed_view.tiles import coarse_tiles, pixel_tiles
 from engine.methods.fixed_view.view import Reflectance, View
 from engine.numerics import haar
 from engine.numerics.parallel import for_ranges
-from engine.scene.edits import Edits, edited_lights
+from engine.scene.edits import Edits, edited_environment, edited_lights
 
 NAME = "direct_to_indirect"
-ENVIRONMENT_SAMPLES = 64
 FAINT = 0.02  # a gloss that reflects less than this counts as matt
 NEGLIGIBLE = 0.02  # of the indirect light: what the bounces may miss before the user is told
 
@@ -43,22 +44,18 @@ class Transfer:
         bounce: PackedRows,
         final: PackedRows,
         gloss: PackedRows,
+        environment: EnvironmentRows,
     ) -> None:
         """Final and gloss rows are those of `pixel_tiles`, bounce rows those of `run_tiles`."""
         self.view, self._settings, self.cloud = view, settings, cloud
         self.bounce, self.final, self.gloss = bounce, final, gloss
+        self.environment = environment
         camera = view.scene.camera
         self._tiles = {
             1: pixel_tiles(camera.width, camera.height),
             2: coarse_tiles(camera.width, camera.height),
         }
-        # What no light edit changes: surfaces that shine, and the environment.
-        points = cloud.points
-        self._standing = cloud.emission + environment_on_points(
-            view.scene.rays, points.position, points.normal, points.geometric, points.view,
-            points.model, points.row, environment_table(view.scene.environment),
-            ENVIRONMENT_SAMPLES, 11,
-        )  # fmt: skip
+        self._environment = EnvironmentLight(cloud, environment, self._tiles)
         self._bounces = Bounces(view.scene, cloud, bounce, settings.bounces, settings.seed)
         # Indirect light meets whole pixels where they have no sub-samples.
         self._glossy = glossy_pixels(view)
@@ -83,14 +80,15 @@ class Transfer:
     @property
     def bytes(self) -> int:
         """Bytes of the matrices, all that a frame reads of the transport."""
-        return sum(array.nbytes for rows in (self.final, self.gloss, self.bounce) for array in rows)
+        matrices = (self.final, self.gloss, self.bounce, *self.environment)
+        return sum(array.nbytes for rows in matrices for array in rows)
 
     def relight(self, edits: Edits, scale: int = 1) -> Frame:
         """See `engine.methods.base.Product.relight`."""
         require_supported(NAME, edits)
         clock = _Clock()
         view, cloud = self.view, self.cloud
-        lights = edited_lights(view.scene.lights, edits.lights, view.scene.folder)
+        lights, environment = self._edited(edits)
 
         # Direct light on gather samples: g.
         with clock("gather_direct"):
@@ -100,7 +98,11 @@ class Transfer:
                 lambda light: light_on_points(view.scene.rays, cloud.points, light),
                 len(cloud),
             )
-            g += self._standing
+            g += cloud.emission
+        if environment is not None:
+            with clock("environment"):
+                self._environment.use(environment)
+                g += self._environment.gather
 
         # Bounces within the cloud: (I + P + ... + P^b) g, from here on in wavelet space.
         with clock("bounces"):
@@ -111,22 +113,37 @@ class Transfer:
             tiles, n = self._tiles[scale], len(view.points(scale))
             arriving = multiply(*self.final, total, tiles, n)
             # Without glossy pixels nothing takes this up: no need to make zeros of it.
-            glossy = len(self.gloss.ids) > 0
+            glossy = len(self.gloss.ids) + len(self.environment.gloss.ids) > 0
             mirrored = multiply(*self.gloss, total, tiles, n) if glossy else arriving
+        if environment is not None:
+            with clock("environment_view"):
+                matt, gloss = self._environment.view(scale, n)
+                arriving += matt
+                if glossy:
+                    mirrored += gloss
         with clock("view_direct"):
-            image = view.direct(lights, scale)
+            image = view.direct(lights, scale, environment)
         with clock("compose"):
             self._compose(arriving, mirrored, image, scale)
         height, width = view.shape(scale)
-        warnings = self._warnings(missing)
+        warnings = self._warnings(missing, environment)
         return Frame(image.reshape(height, width, 3), clock.timings(), warnings)
 
     def indirect(self, edits: Edits) -> NDArray[np.float32]:
         """The indirect part of the full picture alone, (height, width, 3): for tests and charts."""
         frame = self.relight(edits)
+        lights, environment = self._edited(edits)
+        direct = self.view.direct(lights, 1, environment)
+        if environment is not None:
+            self._compose(*self._environment.view(1, len(direct)), direct, 1)
+        return frame.image - direct.reshape(frame.image.shape)
+
+    def _edited(self, edits: Edits) -> tuple[tuple[Light, ...], Environment | None]:
         scene = self.view.scene
-        lights = edited_lights(scene.lights, edits.lights, scene.folder)
-        return frame.image - self.view.direct(lights, 1).reshape(frame.image.shape)
+        return (
+            edited_lights(scene.lights, edits.lights, scene.folder),
+            edited_environment(scene.environment, edits.environment, Path(scene.folder)),
+        )
 
     def _compose(
         self,
@@ -143,8 +160,10 @@ class Transfer:
             at_edges = (buffer.edge, buffer.donor, arriving, mirrored, *self._sub, image)
             for_ranges(_add_at_edges, len(buffer.edge), *at_edges)
 
-    def _warnings(self, missing: float) -> tuple[Diagnosis, ...]:
+    def _warnings(self, missing: float, environment: Environment | None) -> tuple[Diagnosis, ...]:
         found = []
+        if environment is not None:
+            found += self._environment.warnings(self._settings.view_rays)
         if missing > NEGLIGIBLE:
             found.append(
                 Diagnosis(

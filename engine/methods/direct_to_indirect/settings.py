@@ -44,6 +44,10 @@ class Settings:
     bounce_rays: int = 233
     """Rays of a gather sample: 16 to 65,536."""
 
+    opening_rays: int = 1024
+    """Rays of a view sample through windows and other openings to the environment: 0 to 65,536. See
+    `fixed_view.openings`."""
+
     gloss_coefficients: int = 40
     """Wavelets that a view sample keeps for its glossy part: 1 to 4096."""
 
@@ -69,6 +73,7 @@ class Settings:
             ("view_rays", 16, 65536),
             ("gloss_rays", 16, 65536),
             ("bounce_rays", 16, 65536),
+            ("opening_rays", 0, 65536),
             ("gloss_coefficients", 1, 4096),
             ("link_size", 0.0005, 1),
             ("bounce_link_size", 0.0005, 1),

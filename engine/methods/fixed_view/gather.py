@@ -16,18 +16,21 @@ from numpy.typing import NDArray
 from engine.brdf.base import DIFFUSE, ROW
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.table import INDEX
-from engine.methods.fixed_view.gather_rays import aim, land, settle
+from engine.light.environment_samples import DEPTH
+from engine.methods.fixed_view.gather_rays import aim, escape, land, settle
 from engine.methods.fixed_view.hierarchy import Clusters
+from engine.methods.fixed_view.importance import environment_importance
 from engine.methods.fixed_view.links import closure, find_links, hide, room_for_links
 from engine.methods.fixed_view.nearest import Grid, build_grid
-from engine.methods.fixed_view.packing import pack
-from engine.methods.fixed_view.rows import STEPS, TILE, PackedRows, make_scratch, project
+from engine.methods.fixed_view.openings import aim_through, open_cells, share
+from engine.methods.fixed_view.packing import Packer
+from engine.methods.fixed_view.rows import TILE, Rows
 from engine.scene.rays import RayTracer
 
 CHUNK_TILES = 64
+ENVIRONMENT = "environment_"
 HEMISPHERE = 64  # rays that measure how closed a point's surroundings are
 SURE = 0.03  # standard error of such a measure, at most
-LONGEST = 8  # a tile's list is at most so many times the coefficients asked for
 
 
 class Lobes(NamedTuple):
@@ -63,6 +66,8 @@ class Job:
     count                         rays of a point, see `gather_rays`; 0 for links in their place
     link_size, patch_size         see `links`, which know no lobe but the cosine
     coefficients                  that a row would keep with a list of its own
+    opening_rays                  rays of a point to what it sees of the environment, at most, see
+                                  `openings`; 0 for none but those above
     """
 
     positions: NDArray[np.float32]
@@ -81,6 +86,7 @@ class Job:
     patch_size: float
     coefficients: int
     seed: int
+    opening_rays: int = 0
     rays: RayTracer | None = field(default=None, repr=False)
     grid: Grid | None = field(default=None, repr=False)
 
@@ -96,49 +102,21 @@ class Job:
 def gather_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     """Rows of one chunk as the arrays of PackedRows, and how much of their energy was kept.
 
-    Also counts rays. Deterministic whatever runs beside it.
+    The arrays of the rows of environment samples have `ENVIRONMENT` before their names. Also counts
+    rays. Deterministic whatever runs beside it.
     """
     tiles = job.tiles[chunk * CHUNK_TILES : (chunk + 1) * CHUNK_TILES]
     gather = _Rays(job) if job.count else _Links(job)
-    lists: list[PackedRows] = []
+    surfaces = Packer(job.importance, job.coefficients)
+    beyond = Packer(environment_importance(), job.coefficients)
     kept = np.ones(len(tiles), np.float32)
     rays = np.zeros(len(tiles), np.int64)
-    ids, values = np.zeros(1 << 19, np.int32), np.zeros(1 << 19, np.float32)
-    starts = np.zeros(TILE + 1, np.int64)
-    scratch = make_scratch(len(job.leaf_position))
-    most = LONGEST * job.coefficients
-    wavelets = np.zeros(most, np.int32)
-    mean, scale = np.zeros((2, most), np.float32)
-    steps = np.zeros(most * TILE, np.int8)
     for t, index in enumerate(tiles):
-        first, cluster, weight, rays[t] = gather(index)
-        while True:
-            count = project(
-                first, cluster, weight, job.clusters.depth, scratch, ids, values, starts
-            )
-            if count >= 0:
-                break
-            ids, values = np.zeros(2 * len(ids), np.int32), np.zeros(2 * len(ids), np.float32)
-        length = np.zeros((1, len(STEPS)), np.int32)
-        count, size, kept[t] = pack(
-            ids, values, starts, index >= 0, job.importance, job.coefficients, scratch, length[0],
-            wavelets, mean, scale, steps,
-        )  # fmt: skip
-        lists.append(
-            PackedRows(
-                length,
-                wavelets[:count].copy(),
-                mean[:count].copy(),
-                scale[:count].copy(),
-                steps[:size].copy(),
-            )
-        )
-    joined = PackedRows(*(np.concatenate(parts) for parts in zip(*lists, strict=True)))
-    return {**joined._asdict(), "kept": kept, "rays": rays}
-
-
-Rows = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32], int]
-"""first (b + 1,), cluster, weight (p,) as `rows.project` wants them, and the rays they took."""
+        landed, escaped, rays[t] = gather(index)
+        kept[t] = surfaces.add(landed, index >= 0)
+        beyond.add(escaped, index >= 0)
+    environment = {ENVIRONMENT + k: a for k, a in beyond.packed()._asdict().items()}
+    return {**surfaces.packed()._asdict(), **environment, "kept": kept, "rays": rays}
 
 
 class _Rays:
@@ -148,35 +126,99 @@ class _Rays:
         most = TILE * job.count
         self._job, self._tracer = job, _tracer(job)
         self._origin, self._direction = np.zeros((2, most, 3), np.float32)
-        self._weight, self._cluster = np.zeros(most, np.float32), np.zeros(most, np.int32)
-        self._first = np.zeros(TILE + 1, np.int32)
+        self._weight, self._escaped = np.zeros((2, most), np.float32)
+        self._cluster, self._cell = np.zeros((2, most), np.int32)
+        self._first, self._norm = np.zeros(TILE + 1, np.int32), np.zeros(TILE)
+        self._openings = _Openings(job, self._tracer) if job.opening_rays else None
 
-    def __call__(self, index: NDArray[np.int32]) -> Rows:
+    def __call__(self, index: NDArray[np.int32]) -> tuple[Rows, Rows, int]:
+        """Rows of surfaces, rows of environment samples, and the rays that they took."""
         n = self._aim(index)
         job, origin, direction = self._job, self._origin[:n], self._direction[:n]
         hits = self._tracer.intersect(origin, direction)
+        escaped, more = self._escape(index, hits.triangle < 0)
         land(
             _grid(job), job.clusters.depth, job.positions, job.triangles, job.leaf_position,
             job.leaf_geometric, hits.triangle, hits.distance, origin, direction, self._cluster,
         )  # fmt: skip
         apart = self._tracer.occluded(origin, direction, 1.0)
         settle(self._first, hits.triangle, apart, self._weight)
-        return self._first, self._cluster, self._weight, n
+        return Rows(self._first, self._cluster, self._weight), escaped, n + more
 
-    def closed(self, index: NDArray[np.int32]) -> NDArray[np.float64]:
-        """(b,) share of each point's lobe that something is in."""
+    def look(self, index: NDArray[np.int32]) -> tuple[NDArray[np.float64], Rows, int]:
+        """(b,) share of each point's lobe that something is in, and what environment is in it."""
         n = self._aim(index)
-        hit = self._tracer.occluded(self._origin[:n], self._direction[:n])
-        sums = np.concatenate([[0.0], np.cumsum(self._weight[:n] * hit, dtype=np.float64)])
-        return (sums[self._first[1:]] - sums[self._first[:-1]]) / math.pi
+        free = ~self._tracer.occluded(self._origin[:n], self._direction[:n])
+        upto = np.concatenate([[0.0], np.cumsum(self._weight[:n] * ~free, dtype=np.float64)])
+        return np.diff(upto[self._first]) / math.pi, *self._escape(index, free)
+
+    def _escape(self, index: NDArray[np.int32], free: NDArray[np.bool_]) -> tuple[Rows, int]:
+        escape(free, self._direction, self._weight, DEPTH, self._cell, self._escaped)
+        rows = Rows(self._first, self._cell, self._escaped)
+        if self._openings is None or free.all() or not free.any():
+            return rows, 0
+        return self._openings(index, rows, self._norm, free, self._direction)
 
     def _aim(self, index: NDArray[np.int32]) -> int:
         job = self._job
         rays: int = aim(
             index, job.position, job.normal, job.geometric, *job.lobes, self._tracer.epsilon,
             job.seed, job.count, self._origin, self._direction, self._first, self._weight,
+            self._norm,
         )  # fmt: skip
         return rays
+
+
+class _Openings:
+    """More rays through openings, with room for them."""
+
+    def __init__(self, job: Job, tracer: RayTracer) -> None:
+        most = TILE * job.opening_rays
+        self._job, self._tracer = job, tracer
+        self._origin, self._direction = np.zeros((2, most, 3), np.float32)
+        self._weight, self._cluster = np.zeros(most, np.float32), np.zeros(most, np.int32)
+        self._first = np.zeros(TILE + 1, np.int32)
+
+    def __call__(
+        self,
+        index: NDArray[np.int32],
+        rows: Rows,
+        norm: NDArray[np.float64],
+        free: NDArray[np.bool_],
+        direction: NDArray[np.float32],
+    ) -> tuple[Rows, int]:
+        """The rows of rays of which some are free, made finer, and the rays that it took."""
+        job = self._job
+        is_open = open_cells(free, direction)
+        cells = np.flatnonzero(is_open).astype(np.int32)
+        k = math.isqrt(job.opening_rays // len(cells))
+        if k == 0:
+            return rows, 0
+        n = aim_through(
+            index, job.position, job.normal, job.geometric, *job.lobes, job.count, norm, cells, k,
+            DEPTH, self._tracer.epsilon, job.seed, self._origin, self._direction, self._first,
+            self._cluster, self._weight,
+        )  # fmt: skip
+        self._weight[:n] *= ~self._tracer.occluded(self._origin[:n], self._direction[:n])
+        share(
+            index, job.normal, *job.lobes, job.count, is_open, k, rows.first, direction, free,
+            rows.weight,
+        )  # fmt: skip
+        return both(rows, Rows(self._first, self._cluster, self._weight)), n
+
+
+def both(a: Rows, b: Rows) -> Rows:
+    """Rows that have the entries of two."""
+    length = np.diff(a.first), np.diff(b.first)
+    first = np.concatenate([[0], np.cumsum(length[0] + length[1])]).astype(np.int32)
+    order = np.argsort(
+        np.concatenate([np.repeat(np.arange(len(n)), n) for n in length]), kind="stable"
+    )
+    cluster, weight = (
+        np.concatenate([x[: a.first[-1]], y[: b.first[-1]]])[order]
+        for x, y in zip(a[1:], b[1:], strict=True)
+    )
+    return Rows(first, cluster, weight)
 
 
 class _Links:
@@ -187,14 +229,15 @@ class _Links:
         self._room = room_for_links(TILE, 1 << 16, 1 << 18)
         self._hemisphere = _Rays(replace(job, count=HEMISPHERE))
 
-    def __call__(self, index: NDArray[np.int32]) -> Rows:
+    def __call__(self, index: NDArray[np.int32]) -> tuple[Rows, Rows, int]:
+        """As of `_Rays`."""
         job, n = self._job, self._find(index)
         room = self._room
         blocked = self._tracer.occluded(room.origin[:n], room.direction[:n], 1.0)
         hide(room.first, room.link, room.weight, blocked)
-        closed = self._hemisphere.closed(index)
+        closed, escaped, more = self._hemisphere.look(index)
         closure(room.first, room.cluster, room.weight, job.clusters.depth, closed, SURE)
-        return room.first, room.cluster, room.weight, n
+        return Rows(room.first, room.cluster, room.weight), escaped, n + more
 
     def _find(self, index: NDArray[np.int32]) -> int:
         job = self._job

@@ -25,6 +25,7 @@ from engine.methods.fixed_view.hierarchy import level_start
 from engine.methods.fixed_view.nearest import nearest
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import tangents, to_local, to_world
+from engine.numerics.octahedron import cell as cell_of
 from engine.numerics.sampling import uniform
 from engine.numerics.vec import add, cross, dot, normalize, scale, sub, vec
 
@@ -37,14 +38,14 @@ SHIFTS = 1 << 20  # dimensions of `uniform` from here on turn the lattice of eac
 @njit(cache=True, nogil=True)
 def aim(
     index, position, normal, geometric, view, model, row, epsilon, seed, count, origin, direction,
-    first, weight,
+    first, weight, norm,
 ):  # fmt: skip
     """Up to `count` rays from each of the points `index` (b,); -1 is no point.
 
     position, normal, geometric, view (n, 3), model (n,), row (n, 16) as in `Points`, but with one
     part of the BRDF alone. Fills origin, direction (b * count, 3) and weight (b * count,); row b
-    owns first[b] to first[b + 1]. Returns the number of rays. The weights of a row sum to π, less
-    those of rays that a shading normal sends under the surface.
+    owns first[b] to first[b + 1]. norm (b,) gets π / (a N). Returns the number of rays. The weights
+    of a row sum to π, less those of rays that a shading normal sends under the surface.
     """
     rows = borrow(row)
     rays = 0
@@ -78,10 +79,25 @@ def aim(
                 direction[rays, c] = d[c]
             weight[rays] = w
             rays += 1
+        norm[b] = math.pi / total if total > 0.0 else 0.0
         for r in range(first[b], rays):
-            weight[r] *= math.pi / total
+            weight[r] *= norm[b]
     first[index.shape[0]] = rays
     return rays
+
+
+@njit(cache=True, nogil=True)
+def escape(free, direction, weight, depth, cell, escaped):
+    """Give the weight of rays that hit nothing to the environment samples of their directions.
+
+    free (r,) bool; fills cell (r,), clusters of the tree over 4^depth samples, and escaped (r,),
+    weights that are 0 for rays that hit something.
+    """
+    for r in range(free.shape[0]):
+        cell[r], escaped[r] = 0, 0.0
+        if free[r]:
+            cell[r] = level_start(depth) + cell_of(vec(direction, r), depth)
+            escaped[r] = weight[r]
 
 
 @njit(cache=True, nogil=True)

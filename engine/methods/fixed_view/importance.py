@@ -9,10 +9,13 @@ lights and spots at random places in the open space of the scene.
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
 from engine.light.base import Light
+from engine.light.environment_samples import DEPTH
 from engine.light.point import PointLight
 from engine.light.spot import SpotLight
 from engine.methods.fixed_view.cloud import GatherCloud
@@ -42,6 +45,18 @@ def wavelet_importance(scene: Scene, cloud: GatherCloud, seed: int) -> NDArray[n
         energy[span] = (1 - OF_LEVEL) * node + OF_LEVEL * energy[span].mean()
     energy = np.maximum(energy, 1e-12 * energy.max(initial=1e-30))
     return np.sqrt(energy / energy.max()).astype(np.float32)
+
+
+@cache
+def environment_importance() -> NDArray[np.float32]:
+    """(n_e,) float32, of the wavelets of environment samples: 0.7 from each level to the next.
+
+    What a wavelet of a surrounding holds falls by about half from level to level (Dror, Willsky,
+    Adelson 2004, *Statistical characterization of real-world illumination*: power over frequency
+    as 1/f²), and by less where there are lamps in it: 0.4 to 0.9 in the maps that we have.
+    """
+    level = np.repeat(np.arange(DEPTH), [4 ** (k + 1) - 4**k for k in range(DEPTH)])
+    return np.concatenate([[1.0], 0.7**level]).astype(np.float32)
 
 
 def trial_lights(scene: Scene, cloud: GatherCloud, seed: int) -> list[Light]:

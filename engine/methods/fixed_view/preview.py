@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 from engine.diagnosis import Diagnosis
 from engine.errors import EditNotSupported
 from engine.methods.base import Frame
 from engine.methods.fixed_view.view import View
-from engine.scene.edits import Edits, edited_lights
+from engine.scene.edits import Edits, edited_environment, edited_lights
 from engine.scene.scene import Scene
 
 PENDING = Diagnosis(
@@ -18,7 +19,7 @@ PENDING = Diagnosis(
 
 
 class DirectPreview:
-    """A view that is ready in about a second; takes edits of lights."""
+    """A view that is ready in about a second; takes edits of lights and environment."""
 
     def __init__(self, scene: Scene) -> None:
         """Builds the deep frame-buffer."""
@@ -27,9 +28,15 @@ class DirectPreview:
     def relight(self, edits: Edits, scale: int = 1) -> Frame:
         """The picture in direct light; see `engine.methods.base.Product.relight`."""
         start = time.perf_counter()
-        for key in sorted(edits.touched() - {"lights"}):
-            raise EditNotSupported("the preview takes edits of lights only", field=key)
+        for key in sorted(edits.touched() - {"lights", "environment"}):
+            raise EditNotSupported(
+                "the preview takes edits of lights and environment only", field=key
+            )
         scene = self.view.scene
         lights = edited_lights(scene.lights, edits.lights, scene.folder)
-        image = self.view.direct(lights, scale).reshape(*self.view.shape(scale), 3)
+        environment = edited_environment(scene.environment, edits.environment, Path(scene.folder))
+        image = self.view.direct(lights, scale, environment)
+        if environment is not None:
+            image += self.view.reflected_environment(environment, scale)
+        image = image.reshape(*self.view.shape(scale), 3)
         return Frame(image, {"total": time.perf_counter() - start}, (PENDING,))

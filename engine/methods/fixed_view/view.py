@@ -21,12 +21,12 @@ from engine.backend.cpu.shading import (
 )
 from engine.brdf import albedo
 from engine.brdf.base import DIFFUSE
-from engine.light import environment as environments
 from engine.light import table as lights
 from engine.light.base import Light
-from engine.light.environment import environment_table
+from engine.light.environment import Environment, EnvironmentTable, environment_table, is_same
 from engine.light.table import light_table
 from engine.methods.fixed_view import frame_buffer
+from engine.methods.fixed_view.backdrop import Backdrop
 from engine.methods.fixed_view.direct import (
     Lamp,
     LightPictures,
@@ -40,7 +40,7 @@ from engine.numerics.vec import dot, scale, sub, vec
 from engine.scene.scene import Scene
 
 emitted_by = lights.emitted
-ENVIRONMENT_SAMPLES = 32
+ENVIRONMENT_SAMPLES = 8  # from the map, and as many from the BRDF
 # A lamp ends sharply and far brighter than what is behind it, so its outline gets a finer grid.
 OVER_PIXEL = np.array([[(i - 1.5) / 4, (j - 1.5) / 4] for j in range(4) for i in range(4)])
 ALBEDO_POINTS = 64
@@ -64,6 +64,8 @@ class View:
         self.scene = scene
         self.buffer: FrameBuffer = frame_buffer.build(scene)
         self.pictures = LightPictures()
+        self._backdrop = Backdrop(scene, self.buffer)
+        self._reflected: tuple[Environment | None, dict[int, NDArray[np.float32]]] = (None, {})
         width, height = scene.camera.width, scene.camera.height
         grid = np.arange(width * height).reshape(height, width)
         self._coarse = self.buffer.centre.take(np.ascontiguousarray(grid[::2, ::2]).ravel())
@@ -83,10 +85,13 @@ class View:
         """The pixels' centres; scale 1 or 2."""
         return self.buffer.centre if scale == 1 else self._coarse
 
-    def direct(self, on: tuple[Light, ...], scale: int) -> NDArray[np.float32]:
-        """Direct radiance (n, 3) float32: lights, environment, emission, background.
+    def direct(
+        self, on: tuple[Light, ...], scale: int, environment: Environment | None = None
+    ) -> NDArray[np.float32]:
+        """Direct radiance (n, 3) float32: lights, emission, background; None is a black one.
 
-        At scale 1 it is antialiased, at scale 2 it has one sample per pixel.
+        At scale 1 it is antialiased, at scale 2 it has one sample per pixel. What surfaces reflect
+        of the environment is not in it.
         """
         rays, points = self.scene.rays, self.points(scale)
         if scale == 1:
@@ -98,35 +103,40 @@ class View:
             out = self.pictures.total(
                 2, on, lambda light: light_on_pixels(*args, light), len(points)
             )
-        out += self.standing if scale == 1 else self._coarse_standing
+        out += self._every(self._backdrop.picture(environment), scale)
         for light in on:
             if light.enabled and light.has_extent:
                 self._show_light(light, scale, out)
         return out
 
-    @cached_property
-    def standing(self) -> NDArray[np.float32]:
-        """What no light edit changes, (n, 3) float32: environment, emission, background."""
-        out = self._standing_of(self.buffer.centre)
-        average(self.buffer.edge, self._standing_of(self.buffer.sub), out)
-        return out
-
-    @cached_property
-    def _coarse_standing(self) -> NDArray[np.float32]:
+    def _every(self, picture: NDArray[np.float32], scale: int) -> NDArray[np.float32]:
+        """Every scale-th pixel of every scale-th row of a whole picture (n, 3)."""
         camera = self.scene.camera
-        image = self.standing.reshape(camera.height, camera.width, 3)
-        return np.ascontiguousarray(image[::2, ::2]).reshape(-1, 3)
+        image = picture.reshape(camera.height, camera.width, 3)
+        return image[::scale, ::scale].reshape(-1, 3)
 
-    def _standing_of(self, points: Points) -> NDArray[np.float32]:
-        table = environment_table(self.scene.environment)
-        out = environment_on_points(
+    def reflected_environment(
+        self, environment: Environment | None, scale: int
+    ) -> NDArray[np.float32]:
+        """(n, 3) float32: what surfaces reflect of an environment, by a few rays from each.
+
+        Noisy and slow: for pictures that no precompute stands behind. The last one is kept.
+        """
+        known, pictures = self._reflected
+        if not is_same(known, environment):
+            self._reflected = known, pictures = environment, {}
+        if scale not in pictures:
+            table = environment_table(environment)
+            pictures[scale] = self._reflect(self.points(scale), table)
+            if scale == 1:
+                average(self.buffer.edge, self._reflect(self.buffer.sub, table), pictures[scale])
+        return pictures[scale]
+
+    def _reflect(self, points: Points, table: EnvironmentTable) -> NDArray[np.float32]:
+        return environment_on_points(
             self.scene.rays, points.position, points.normal, points.geometric, points.view,
             points.model, points.row, table, ENVIRONMENT_SAMPLES, 7,
         )  # fmt: skip
-        hit = points.model >= 0
-        out[hit] += self.scene.material_table.emission[points.material[hit]]
-        for_ranges(_background, len(points), points.model, points.view, table, out)
-        return out
 
     def _show_light(self, light: Light, scale: int, out: NDArray[np.float32]) -> None:
         pixel, cover, radiance = self.pictures.lamp(scale, light, lambda: self._lamp(light, scale))
@@ -186,16 +196,6 @@ def gloss_of(row: NDArray[np.float32]) -> NDArray[np.float32]:
     out = row.copy()
     out[:, DIFFUSE : DIFFUSE + 3] = 0
     return out
-
-
-@njit(cache=True, nogil=True)
-def _background(start, stop, model, view, table, out):
-    for i in range(start, stop):
-        if model[i] < 0:
-            v = vec(view, i)
-            e = environments.radiance(table, (-v[0], -v[1], -v[2]))
-            for k in range(3):
-                out[i, k] = e[k]
 
 
 @njit(cache=True, nogil=True)

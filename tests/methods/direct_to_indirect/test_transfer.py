@@ -326,7 +326,6 @@ def test_odd_sizes(make: Make, width: int, height: int) -> None:
     [
         ({"materials": {"white": {"diffuse": [1, 0, 0]}}}, "materials", "brdf_editing"),
         ({"camera": {"width": 10}}, "camera", "glossy_prt"),
-        ({"environment": {"intensity": 2}}, "environment", "glossy_prt"),
     ],
 )
 def test_other_edits_name_the_method_that_takes_them(

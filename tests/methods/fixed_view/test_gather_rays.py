@@ -49,9 +49,10 @@ def shoot(points: np.ndarray, normals: np.ndarray, lobes: Lobes, count: int) -> 
     n = len(points)
     origin, direction = np.zeros((2, n * count, 3), np.float32)
     first, weight = np.zeros(n + 1, np.int32), np.zeros(n * count, np.float32)
+    norm = np.zeros(n)
     rays = aim(
         np.arange(n, dtype=np.int32), points, normals, normals, *lobes, 1e-4, 1, count, origin,
-        direction, first, weight,
+        direction, first, weight, norm,
     )  # fmt: skip
     assert rays == first[-1]
     return origin[:rays], direction[:rays], first, weight[:rays]
@@ -164,7 +165,7 @@ def test_what_is_no_point_has_no_rays():
     first, weight = np.zeros(5, np.int32), np.zeros(64, np.float32)
     rays = aim(
         np.array([0, -1, 2, -1], np.int32), up, up, up, *cosine_lobes(up), 1e-4, 1, 16, origin,
-        direction, first, weight,
+        direction, first, weight, np.zeros(4),
     )  # fmt: skip
     assert rays == 32
     assert first.tolist() == [0, 16, 16, 32, 32]

@@ -1,0 +1,124 @@
+"""Environment samples: an environment as radiances of directions, in the order of a quad-tree.
+
+`direct_to_indirect` §6 (Hašan et al. 2006): next to the samples on surfaces the gather cloud has
+environment samples, whose radiance is a rotated look-up of the map. Here they are the equal cells
+of `engine.numerics.octahedron`, so that the Haar basis is on them too. A sample is the mean of the
+map over its cell, by a fine grid of places. A turn about +y moves the places along the map's rows:
+what they are is found once, and a turned map costs no trigonometry.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from engine.light.environment import Environment
+from engine.numerics.octahedron import centres
+from engine.numerics.parallel import for_ranges
+
+DEPTH = 7  # 16,384 samples, 1.6 degrees wide
+FINE = 9  # levels of the grid of places
+SPACING = math.sqrt(4 * math.pi / 4**FINE)  # radians from one of them to the next
+WIDEST = 1024  # columns; maps with more are averaged down first, which no place would notice
+
+
+def places_on_map(d: NDArray[np.floating]) -> NDArray[np.float32]:
+    """(n, 2) float32: column and row, 0 to 1, where directions d (n, 3) lie on a map not turned."""
+    u = 0.5 + np.arctan2(d[:, 0], -d[:, 2]) / (2 * np.pi)
+    v = np.arccos(np.clip(d[:, 1], -1, 1)) / np.pi
+    return np.stack([u, v], axis=1).astype(np.float32)
+
+
+def seen_radiance(environment: Environment, places: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(n, 3) float32: radiance from `places_on_map`, piecewise constant as in every renderer."""
+    out = np.zeros((len(places), 3), np.float32)
+    for_ranges(_look_up, len(places), *_turned(environment, environment.radiance), places, out)
+    return out
+
+
+def environment_samples(environment: Environment) -> NDArray[np.float32]:
+    """(4^DEPTH, 3) float32: mean radiance of the cells of the octahedron."""
+    out = np.zeros((4**DEPTH, 3), np.float32)
+    radiance, shift, factor = _turned(environment, averaged(environment.radiance))
+    for_ranges(_means, len(out), radiance, shift, factor, _fine_places(), SPACING, out, grain=64)
+    return out
+
+
+def averaged(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The map (h, w, 3) at WIDEST columns or less, by the mean over solid angle of whole blocks."""
+    height, width = radiance.shape[:2]
+    factor = -(-width // WIDEST)
+    if factor == 1 or height < factor:
+        return radiance
+    rows = np.arange(0, height, factor)
+    edges = np.cos(np.linspace(0, np.pi, height + 1))
+    solid = edges[:-1] - edges[1:]
+    columns = np.arange(0, width, factor)
+    count = np.diff([*columns, width])
+    across = np.add.reduceat(radiance, columns, axis=1) / count[:, None]
+    down = np.add.reduceat(across * solid[:, None, None], rows, axis=0)
+    return (down / np.add.reduceat(solid, rows)[:, None, None]).astype(np.float32)
+
+
+def _turned(
+    environment: Environment, radiance: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], float, np.float32]:
+    """(map, part of a whole turn, factor on the map)."""
+    description = environment.description
+    return radiance, description.rotation_degrees / 360 % 1.0, np.float32(description.intensity)
+
+
+@cache
+def _fine_places() -> NDArray[np.float32]:
+    return places_on_map(centres(FINE))
+
+
+@njit(cache=True, nogil=True)
+def _look_up(start, stop, radiance, shift, factor, places, out):
+    height, width = radiance.shape[:2]
+    for i in range(start, stop):
+        row = min(height - 1, int(places[i, 1] * height))
+        column = min(width - 1, int((places[i, 0] + shift) % 1.0 * width))
+        for c in range(3):
+            out[i, c] = factor * radiance[row, column, c]
+
+
+@njit(cache=True, nogil=True)
+def _means(start, stop, radiance, shift, factor, places, spacing, out):
+    height, width = radiance.shape[:2]
+    share = places.shape[0] // out.shape[0]
+    for i in range(start, stop):
+        red = green = blue = 0.0
+        for s in range(i * share, (i + 1) * share):
+            # Average over what the place stands for; along a row that is wider near the poles.
+            v = np.float64(places[s, 1])
+            y0, y1, ty = _overlap(v * height, 0.5 * spacing * height / math.pi)
+            x = (places[s, 0] + shift) % 1.0 * width
+            x0, x1, tx = _overlap(x, 0.25 * spacing * width / (math.pi * math.sin(math.pi * v)))
+            y0, y1 = max(0, y0), min(height - 1, y1)
+            x0, x1 = x0 % width, x1 % width
+            a, b, c, d = (1 - ty) * (1 - tx), (1 - ty) * tx, ty * (1 - tx), ty * tx
+            p, q, r, t = radiance[y0, x0], radiance[y0, x1], radiance[y1, x0], radiance[y1, x1]
+            red += a * p[0] + b * q[0] + c * r[0] + d * t[0]
+            green += a * p[1] + b * q[1] + c * r[1] + d * t[1]
+            blue += a * p[2] + b * q[2] + c * r[2] + d * t[2]
+        out[i, 0], out[i, 1], out[i, 2] = (
+            factor * red / share, factor * green / share, factor * blue / share,
+        )  # fmt: skip
+
+
+@njit
+def _overlap(x, half):
+    """Pixels (i, j) that x ± half overlaps, half at most 1/2, and the part that lies in j."""
+    half = min(half, 0.5)
+    i = math.floor(x)
+    f = x - i
+    if f < half:
+        return i - 1, i, (f + half) / (2.0 * half)
+    if f > 1.0 - half:
+        return i, i + 1, (f + half - 1.0) / (2.0 * half)
+    return i, i, 0.0
