@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 import moderngl
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from engine.backend.gl.source import VERSION, load
 from engine.errors import BackendError
 
+EGL: Any = {"backend": "egl"}  # a context without a display
 GROUP = 64  # threads of a work group, in every shader
 MOST_GROUPS = 65535  # of a dispatch, by the specification
 SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "basic render")
@@ -63,12 +65,16 @@ class Device:
         if array.nbytes > limit:
             raise BackendError(f"{array.nbytes} bytes do not fit a buffer of GL ({limit} at most)")
         if array.nbytes == 0:
-            return self.context.buffer(reserve=16)
+            return self.room(0)
         return self.context.buffer(np.ascontiguousarray(array))
+
+    def room(self, size: int) -> Any:
+        """A buffer of so many bytes, with whatever lies there."""
+        return self.context.buffer(reserve=max(16, size))
 
     def floats(self, count: int) -> Any:
         """A buffer of zeros for so many float32."""
-        buffer = self.context.buffer(reserve=4 * max(4, count))
+        buffer = self.room(4 * count)
         buffer.clear()
         return buffer
 
@@ -133,7 +139,7 @@ _failure = ""
 def device() -> Device:
     """The device of this process, made by the first caller in its thread.
 
-    Raises BackendError where there is none, where it was lost, and in every other thread.
+    Raises BackendError where there is none, and in every other thread.
     """
     global _device, _failure
     with _lock:
@@ -141,7 +147,7 @@ def device() -> Device:
             raise BackendError(_failure)
         if _device is None:
             try:
-                context = moderngl.create_standalone_context(backend="egl", require=VERSION)
+                context = moderngl.create_context(VERSION, standalone=True, **EGL)
             except Exception as error:  # moderngl raises whatever its loader raises
                 _failure = f"GL cannot be started ({error}); {INSTALL}"
                 raise BackendError(_failure) from None
@@ -150,8 +156,10 @@ def device() -> Device:
         return _device
 
 
-def lose(reason: str) -> None:
-    """Never use GL again in this process: it has failed while it was at work."""
-    global _failure
-    with _lock:
-        _failure = reason
+@contextmanager
+def gl_errors() -> Iterator[None]:
+    """Raise BackendError for whatever moderngl raises, such as memory that is used up."""
+    try:
+        yield
+    except moderngl.Error as error:
+        raise BackendError(str(error)) from None

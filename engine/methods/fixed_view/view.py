@@ -63,14 +63,14 @@ class View:
         """Casts the primary rays: well under a second per half million pixels."""
         self.scene = scene
         self.buffer: FrameBuffer = frame_buffer.build(scene)
-        self.pictures = LightPictures()
+        self.pictures: LightPictures[NDArray[np.float32]] = LightPictures()
         width, height = scene.camera.width, scene.camera.height
         grid = np.arange(width * height).reshape(height, width)
         self._coarse = self.buffer.centre.take(np.ascontiguousarray(grid[::2, ::2]).ravel())
         height, width = self.shape(2)
         self._coarse.phase[:] = pixel_phase(width, height)
         self._coarse.size[:] *= 2
-        self._coarse_alike = alike_neighbours(
+        self.coarse_alike = alike_neighbours(
             self._coarse.position, self._coarse.normal, self._coarse.object, width
         )
 
@@ -94,15 +94,20 @@ class View:
                 1, on, lambda light: light_on_buffer(rays, self.buffer, light), len(points)
             )
         else:
-            args = (rays, points, self._coarse_alike, self.shape(scale)[1])
+            args = (rays, points, self.coarse_alike, self.shape(scale)[1])
             out = self.pictures.total(
                 2, on, lambda light: light_on_pixels(*args, light), len(points)
             )
-        out += self.standing if scale == 1 else self._coarse_standing
+        out += self.standing_at(scale)
         for light in on:
             if light.enabled and light.has_extent:
-                self._show_light(light, scale, out)
+                pixel, cover, radiance = self.lamp(light, scale)
+                out[pixel] = out[pixel] * (1 - cover) + radiance
         return out
+
+    def standing_at(self, scale: int) -> NDArray[np.float32]:
+        """What no light edit changes, (n, 3) float32, the same array every time."""
+        return self.standing if scale == 1 else self._coarse_standing
 
     @cached_property
     def standing(self) -> NDArray[np.float32]:
@@ -128,12 +133,11 @@ class View:
         for_ranges(_background, len(points), points.model, points.view, table, out)
         return out
 
-    def _show_light(self, light: Light, scale: int, out: NDArray[np.float32]) -> None:
-        pixel, cover, radiance = self.pictures.lamp(scale, light, lambda: self._lamp(light, scale))
-        out[pixel] = out[pixel] * (1 - cover) + radiance
+    def lamp(self, light: Light, scale: int) -> Lamp:
+        """What the camera sees of a light with extent itself; at scale 1 antialiased."""
+        return self.pictures.lamp(scale, light, lambda: self._lamp(light, scale))
 
     def _lamp(self, light: Light, scale: int) -> Lamp:
-        """What the camera sees of a light with extent itself; at scale 1 antialiased."""
         table = light_table([light])
         points, eye = self.points(scale), np.asarray(self.scene.camera.position, np.float32)
         _, width = self.shape(scale)

@@ -1,0 +1,162 @@
+"""The direct light of a view on the GPU: the pictures that `direct` and `view` make on the CPU."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.backend.gl.bvh import build_tree
+from engine.backend.gl.context import Device
+from engine.backend.gl.points import Surface
+from engine.backend.gl.shading import HAS_SUBSAMPLES, Shading, light_ends, smooth_penumbrae
+from engine.backend.gl.sums import add, show
+from engine.light.base import Light
+from engine.light.table import light_table
+from engine.methods.fixed_view.direct import (
+    PENUMBRA_REACH,
+    PER_PENUMBRA_PIXEL,
+    PER_PIXEL,
+    PER_SUBSAMPLE,
+    LightPictures,
+    light_samples,
+)
+from engine.methods.fixed_view.frame_buffer import FINE, Points
+from engine.methods.fixed_view.view import View
+
+
+class Picture(NamedTuple):
+    """A picture of one light: a buffer of (n, 3) float32."""
+
+    buffer: Any
+    nbytes: int
+
+
+class Pixels(NamedTuple):
+    """The pixels of a view at one scale, on the GPU.
+
+    flags    (n,) int32  which neighbours are alike, and whether the pixel has sub-samples
+    visible  (n,) int32, listed (1 + n,) int32, spare (n, 3) float32: room to work in
+    """
+
+    surface: Surface
+    width: int
+    flags: Any
+    visible: Any
+    listed: Any
+    spare: Any
+
+
+class GlView:
+    """A view on the GPU; lights are remembered one by one, as on the CPU."""
+
+    def __init__(self, device: Device, view: View) -> None:
+        """Uploads the deep frame-buffer and the tree of its triangles."""
+        self._device, self._view = device, view
+        geometry, rays = view.scene.geometry, view.scene.rays
+        self._shading = Shading(
+            device, build_tree(geometry.positions, geometry.triangles), rays.epsilon
+        )
+        self._pictures: LightPictures[Picture] = LightPictures()
+        buffer = view.buffer
+        self._sub, self._edge = upload_points(device, buffer.sub), device.upload(buffer.edge)
+        has_subsamples = np.zeros(len(buffer.centre), np.int32)
+        has_subsamples[buffer.edge] = HAS_SUBSAMPLES
+        self._pixels = {
+            1: self._upload_pixels(1, buffer.alike | has_subsamples),
+            2: self._upload_pixels(2, view.coarse_alike.astype(np.int32)),
+        }
+        self._standing: dict[int, tuple[NDArray[np.float32], Any]] = {}
+
+    def on_points(self, points: Surface, lights: tuple[Light, ...], total: Any) -> None:
+        """Add the light on points of a cloud; see `direct.light_on_points`."""
+
+        def compute(light: Light) -> Picture:
+            picture = self._picture(points.count)
+            visible = self._device.room(4 * points.count)
+            table, samples = light_table([light]), light_samples(light, 1)
+            self._shading.points(points, table, samples, picture.buffer, visible)
+            return picture
+
+        for picture in self._pictures.each("gather", lights, compute):
+            add(self._device, total, picture.buffer, points.count)
+
+    def direct(self, lights: tuple[Light, ...], scale: int, total: Any) -> None:
+        """Fill a picture with the direct light on the view samples; see `View.direct`."""
+        n = self._pixels[scale].surface.count
+        self._device.context.copy_buffer(total, self._standing_of(scale), 12 * n)
+        light_it = self._on_buffer if scale == 1 else self._on_coarse
+        for picture in self._pictures.each(scale, lights, light_it):
+            add(self._device, total, picture.buffer, n)
+        for light in lights:
+            if light.enabled and light.has_extent:
+                show(self._device, total, *self._view.lamp(light, scale))
+
+    def _on_buffer(self, light: Light) -> Picture:
+        """See `direct.light_on_buffer`."""
+        pixels, buffer, table = self._pixels[1], self._view.buffer, light_table([light])
+        radiance, args = self._picture(pixels.surface.count), (pixels.surface, table)
+        self._shading.points(
+            *args, light_samples(light, PER_PIXEL), radiance.buffer, pixels.visible
+        )
+        reach = PENUMBRA_REACH if light.has_extent else 1
+        n, width = pixels.surface.count, pixels.width
+        light_ends(self._device, pixels.visible, pixels.flags, width, n, reach, pixels.listed)
+        if light.has_extent:
+            samples = light_samples(light, PER_PENUMBRA_PIXEL)
+            self._shading.again(*args, samples, pixels.listed, radiance.buffer)
+            self._smooth(pixels, radiance)
+        else:
+            self._shading.fine(
+                *args, light_samples(light, 1), pixels.listed, radiance.buffer,
+                buffer.camera.position, width, FINE,
+            )  # fmt: skip
+        samples = light_samples(light, PER_SUBSAMPLE)
+        self._shading.sub(self._sub, table, samples, self._edge, radiance.buffer)
+        return radiance
+
+    def _on_coarse(self, light: Light) -> Picture:
+        """See `direct.light_on_pixels`."""
+        pixels, table = self._pixels[2], light_table([light])
+        radiance = self._picture(pixels.surface.count)
+        samples = light_samples(light, PER_PIXEL)
+        self._shading.points(pixels.surface, table, samples, radiance.buffer, pixels.visible)
+        if light.has_extent:
+            self._smooth(pixels, radiance)
+        return radiance
+
+    def _smooth(self, pixels: Pixels, radiance: Picture) -> None:
+        smooth_penumbrae(
+            self._device, pixels.surface, pixels.flags, pixels.width, radiance.buffer, pixels.spare
+        )
+
+    def _standing_of(self, scale: int) -> Any:
+        """What no light edit changes, sent again only when it is another array."""
+        array = self._view.standing_at(scale)
+        if scale not in self._standing or self._standing[scale][0] is not array:
+            self._standing[scale] = array, self._device.upload(array)
+        return self._standing[scale][1]
+
+    def _picture(self, n: int) -> Picture:
+        return Picture(self._device.room(12 * n), 12 * n)
+
+    def _upload_pixels(self, scale: int, flags: NDArray[np.int32]) -> Pixels:
+        device, points = self._device, self._view.points(scale)
+        n = len(points)
+        return Pixels(
+            upload_points(device, points),
+            self._view.shape(scale)[1],
+            device.upload(flags.astype(np.int32)),
+            device.room(4 * n),
+            device.room(4 * (1 + n)),
+            device.room(12 * n),
+        )
+
+
+def upload_points(device: Device, points: Points) -> Surface:
+    """The points on the GPU."""
+    return Surface(
+        device, points.position, points.normal, points.geometric, points.view, points.model,
+        points.row, points.phase, points.size,
+    )  # fmt: skip
