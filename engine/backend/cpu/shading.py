@@ -41,12 +41,13 @@ def light_points(
     size: NDArray[np.float32],
     table: LightTable,
     samples: NDArray[np.float64],
+    shadows: bool = True,
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
     """Reflected radiance (n, 3) float32 of one light, and visibility (n,) uint8.
 
     position (n, 3) are the places to be lit; the rest of what they are says point at[j] of the
     other arrays. The table holds the light alone. samples (groups, k, 2) are places on it: a point
-    is lit from the k of the group that its phase picks.
+    is lit from the k of the group that its phase picks. Without shadows nothing hides the light.
     """
     n, per_point = len(position), samples.shape[1]
     kind, light, texels = table.kind[0], table.row[0], table.texels
@@ -61,7 +62,10 @@ def light_points(
             start, stop, at, position, normal, geometric, view, model, row, phase, size, kind,
             light, texels, samples, rays.epsilon, value, origin, direction, index, visible,
         )  # fmt: skip
-        blocked = rays.occluded(origin[:count], direction[:count], 1.0)
+        if shadows:
+            blocked = rays.occluded(origin[:count], direction[:count], 1.0)
+        else:
+            blocked = np.zeros(count, np.bool_)
         _add_visible(index[:count], value, blocked, radiance, visible)
 
     for_ranges(part, n, grain=CHUNK // per_point)
@@ -154,22 +158,36 @@ def _average(start, stop, pixel, samples, image):
 
 
 def light_edges(
-    visible: NDArray[np.uint8], skip: NDArray[np.bool_], width: int, reach: int = 1
+    visible: NDArray[np.uint8], skip: NDArray[np.bool_], width: int
 ) -> NDArray[np.int32]:
-    """Pixels (m,) int32 where light ends: HIDDEN and VISIBLE both hold within `reach` steps.
+    """Pixels (m,) int32 where light ends: HIDDEN and VISIBLE both hold here or one step away.
 
     visible (n,) uint8 from `light_points`, a step leads to one of four neighbours; pixels of `skip`
     (n,) bool are left out.
     """
     lit = visible.reshape(-1, width)
+    near = lit.copy()
+    near[:, 1:] |= lit[:, :-1]
+    near[:, :-1] |= lit[:, 1:]
+    near[1:] |= lit[:-1]
+    near[:-1] |= lit[1:]
+    return np.flatnonzero((near.ravel() == HIDDEN | VISIBLE) & ~skip).astype(np.int32)
+
+
+def seen_around(visible: NDArray[np.uint8], width: int, reach: int) -> NDArray[np.uint8]:
+    """(n,) uint8: what holds in the square of pixels within `reach` of each, each way.
+
+    visible (n,) uint8 from `light_points`.
+    """
+    near = visible.reshape(-1, width).copy()
     for _ in range(reach):
-        near = lit.copy()
-        near[:, 1:] |= lit[:, :-1]
-        near[:, :-1] |= lit[:, 1:]
-        near[1:] |= lit[:-1]
-        near[:-1] |= lit[1:]
-        lit = near
-    return np.flatnonzero((lit.ravel() == HIDDEN | VISIBLE) & ~skip).astype(np.int32)
+        across = near.copy()
+        across[:, 1:] |= near[:, :-1]
+        across[:, :-1] |= near[:, 1:]
+        near = across.copy()
+        near[1:] |= across[:-1]
+        near[:-1] |= across[1:]
+    return near.ravel()
 
 
 def on_tangent_planes(

@@ -14,7 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.backend.cpu.penumbra import smooth_penumbrae
-from engine.backend.cpu.shading import average, light_edges, light_points, on_tangent_planes
+from engine.backend.cpu.shading import (
+    HIDDEN,
+    VISIBLE,
+    average,
+    light_edges,
+    light_points,
+    on_tangent_planes,
+    seen_around,
+)
 from engine.light.base import Light
 from engine.light.table import light_table
 from engine.methods.fixed_view.frame_buffer import FINE, FrameBuffer, Points
@@ -22,9 +30,24 @@ from engine.scene.rays import RayTracer
 
 # A light with extent shines from an 8 x 8 grid of its points. No point of a surface asks all of
 # them: neighbours ask different ones, and in a picture they are averaged afterwards.
-PER_PIXEL, PER_SUBSAMPLE, PER_PENUMBRA_PIXEL = 2, 4, 16
-# Pixels from the end of the light on which more of it is asked: what neighbours found counts too.
-PENUMBRA_REACH = 3
+PER_PIXEL, PER_SUBSAMPLE, PER_PENUMBRA_PIXEL, PER_COARSE_PENUMBRA_PIXEL = 2, 4, 16, 4
+CENTRE = np.full((1, 1, 2), 0.5)  # of a light without extent
+BLOCK = 4  # pixels that share a pattern of `light_samples`
+# Pixels each way in which somebody looks at every one of PROBES.
+PROBE_REACH = 2
+
+
+def probes() -> NDArray[np.float64]:
+    """(16, 1, 2): from which point of a light a pixel looks for what hides it, by its phase.
+
+    An even grid that goes up to the rim: the last of a light to go, and the first to come, is its
+    end. Every block of 2 x 2 pixels holds a corner, two points of sides, and one within.
+    """
+    phase = np.arange(16)
+    place = np.stack([phase & 1, phase >> 1 & 1]), np.stack([phase >> 2 & 1, phase >> 3 & 1])
+    return np.where(place[0] == 0, place[1], (1 + place[1]) / 3).T[:, None].astype(np.float64)
+
+
 KEPT_BYTES = 256e6
 KEPT_LAMPS = 24
 
@@ -38,7 +61,7 @@ def light_samples(light: Light, per_point: int) -> NDArray[np.float64]:
     eight and sixteen are uncorrelated, so that those few average any quadratic almost exactly.
     """
     if not light.has_extent:
-        return np.full((1, 1, 2), 0.5)
+        return CENTRE
     bit = np.arange(64)[:, None] >> np.arange(6) & 1
     x = bit[:, :3] @ (4, 2, 1)
     a, b, c = bit.sum(axis=1), bit[:, 1::2].sum(axis=1), bit[:, 2] + bit[:, 3]
@@ -48,7 +71,7 @@ def light_samples(light: Light, per_point: int) -> NDArray[np.float64]:
 
 def light_on_points(rays: RayTracer, points: Points, light: Light) -> NDArray[np.float32]:
     """Reflected radiance (n, 3) float32 of one light, from one of its points for each of ours."""
-    return _light(rays, points, light, 1)[0]
+    return _light(rays, points, light, light_samples(light, 1))[0]
 
 
 def light_on_pixels(
@@ -58,43 +81,67 @@ def light_on_pixels(
 
     alike (n,) is from `alike_neighbours`.
     """
-    radiance, _ = _light(rays, points, light, PER_PIXEL)
-    return smooth_penumbrae(radiance, points.row, alike, width) if light.has_extent else radiance
+    if light.has_extent:
+        return _soft_light(rays, points, alike, width, light, PER_COARSE_PENUMBRA_PIXEL)
+    return _light(rays, points, light, CENTRE)[0]
 
 
 def light_on_buffer(rays: RayTracer, buffer: FrameBuffer, light: Light) -> NDArray[np.float32]:
     """Reflected radiance (n, 3) float32 per pixel, antialiased as if four times supersampled."""
     centre, width = buffer.centre, buffer.camera.width
-    radiance, visible = _light(rays, centre, light, PER_PIXEL)
-    skip = np.zeros(len(centre), np.bool_)
-    skip[buffer.edge] = True
-    pixel = light_edges(visible, skip, width, PENUMBRA_REACH if light.has_extent else 1)
     if light.has_extent:
-        # More of the light where some of it is hidden.
-        radiance[pixel], _ = _light(
-            rays, centre, light, PER_PENUMBRA_PIXEL, pixel, centre.position[pixel]
-        )
-        radiance = smooth_penumbrae(radiance, centre.row, buffer.alike, width)
+        radiance = _soft_light(rays, centre, buffer.alike, width, light, PER_PENUMBRA_PIXEL)
     else:
+        radiance, visible = _light(rays, centre, light, CENTRE)
+        skip = np.zeros(len(centre), np.bool_)
+        skip[buffer.edge] = True
         # Where light ends within a pixel, light its tangent plane at a finer grid of places.
+        pixel = light_edges(visible, skip, width)
         places = on_tangent_planes(
             pixel, buffer.camera.position, centre.view, centre.position, centre.geometric, width,
             FINE,
         )  # fmt: skip
-        fine, _ = _light(rays, centre, light, 1, np.repeat(pixel, len(FINE)), places)
+        fine, _ = _light(rays, centre, light, CENTRE, np.repeat(pixel, len(FINE)), places)
         average(pixel, fine, radiance)
-    sub, _ = _light(rays, buffer.sub, light, PER_SUBSAMPLE)
+    sub, _ = _light(rays, buffer.sub, light, light_samples(light, PER_SUBSAMPLE))
     average(buffer.edge, sub, radiance)
     return radiance
+
+
+def _soft_light(
+    rays: RayTracer,
+    points: Points,
+    alike: NDArray[np.uint8],
+    width: int,
+    light: Light,
+    per_penumbra: int,
+) -> NDArray[np.float32]:
+    """Reflected radiance (n, 3) float32 of a light with extent on a picture so wide.
+
+    One ray in every pixel tells where all of the light is seen, none of it, or some: there are
+    `per_penumbra` of them, and in full light none more.
+    """
+    _, visible = _light(rays, points, light, probes())
+    near = seen_around(visible, width, PROBE_REACH)
+    out = np.zeros((len(points), 3), np.float32)
+    for here, per_pixel, shadows in (
+        (near == VISIBLE, PER_PIXEL, False),
+        (near == HIDDEN | VISIBLE, per_penumbra, True),
+    ):
+        pixel = np.flatnonzero(here).astype(np.int32)
+        samples, places = light_samples(light, per_pixel)[:BLOCK], points.position[pixel]
+        out[pixel], _ = _light(rays, points, light, samples, pixel, places, shadows)
+    return smooth_penumbrae(out, points.row, alike, width)
 
 
 def _light(
     rays: RayTracer,
     points: Points,
     light: Light,
-    per_point: int,
+    samples: NDArray[np.float64],
     at: NDArray[np.int32] | None = None,
     position: NDArray[np.float32] | None = None,
+    shadows: bool = True,
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
     """`light_points` at all points, or at other positions on the surface of some of them."""
     if at is None or position is None:
@@ -104,7 +151,7 @@ def _light(
         return np.zeros((len(at), 3), np.float32), np.zeros(len(at), np.uint8)
     return light_points(
         rays, at, position, points.normal, points.geometric, points.view, points.model, points.row,
-        points.phase, points.size, table, light_samples(light, per_point),
+        points.phase, points.size, table, samples, shadows,
     )  # fmt: skip
 
 

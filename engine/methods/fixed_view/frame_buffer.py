@@ -161,9 +161,12 @@ def build(scene: Scene) -> FrameBuffer:
 
 
 def pixel_phase(width: int, height: int) -> NDArray[np.uint8]:
-    """(height x width,) uint8: the phases of pixels, 0 to 3 in every block of 2 x 2."""
+    """(height x width,) uint8: the phases of pixels, 0 to 15 in every block of 4 x 4.
+
+    The lower two bits tell the pixels of a block of 2 x 2 apart.
+    """
     y, x = np.divmod(np.arange(width * height), width)
-    return (x % 2 + 2 * (y % 2)).astype(np.uint8)
+    return (x % 2 + 2 * (y % 2) + 4 * (x // 2 % 2) + 8 * (y // 2 % 2)).astype(np.uint8)
 
 
 def look_at(scene: Scene, directions: NDArray[np.float32]) -> Points:

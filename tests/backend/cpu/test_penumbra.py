@@ -10,7 +10,14 @@ import pytest
 from engine.backend.cpu.penumbra import DOWN, RIGHT, alike_neighbours, smooth_penumbrae
 from engine.light.area import AreaLight
 from engine.methods.fixed_view import direct
-from engine.methods.fixed_view.direct import light_on_buffer, light_on_points, light_samples
+from engine.methods.fixed_view.direct import (
+    light_on_buffer,
+    light_on_pixels,
+    light_on_points,
+    light_samples,
+    probes,
+)
+from engine.methods.fixed_view.frame_buffer import pixel_phase
 from engine.methods.fixed_view.view import View
 from engine.reference import render_direct
 from engine.scene.build import build
@@ -65,6 +72,47 @@ def test_as_close_to_the_truth_as_all_samples_in_every_pixel(
     assert error < 0.035
     assert error < 1.1 * np.linalg.norm(full - truth) / np.linalg.norm(truth)
     assert quick.sum() == pytest.approx(full.sum(), rel=2e-3)
+
+
+def test_the_faint_end_of_a_penumbra_is_lit(tmp_path: Any) -> None:
+    """Where less than a tenth of the lamp is seen, and that is at its rim."""
+    seen = view(tmp_path)
+    # Aslant, so that the slab hides it corner by corner, and its shadow leaves the slab.
+    lamp = LAMP.model_copy(update={"position": (1.2, 1.5, 0), "up": (0.5, 0, 1), "width": 0.4})
+    rays, points = seen.scene.rays, seen.buffer.centre
+    every = light_samples(lamp, 64)
+    plain = direct._light(rays, points, lamp, every, shadows=False)[0].max(axis=1)
+    truth = direct._light(rays, points, lamp, every)[0].max(axis=1)
+    inside = np.ones(len(points), np.bool_)
+    inside[seen.buffer.edge] = False
+    faint = inside & (truth > 0) & (truth < 0.1 * plain)
+    assert faint.sum() > 100
+    # Smoothing takes light there from where more of the lamp is seen: in the truth too, then.
+    row, alike = points.row, seen.buffer.alike
+    expected = smooth_penumbrae(direct._light(rays, points, lamp, every)[0], row, alike, 96)
+    found = light_on_buffer(rays, seen.buffer, lamp)
+    assert found[faint].sum() == pytest.approx(expected[faint].sum(), rel=0.15)
+    assert (found[faint].max(axis=1) > 0).mean() > 0.95
+    # Half as many pixels, four points of the lamp in each.
+    grid = np.arange(96 * 96).reshape(96, 96)[::2, ::2].ravel()
+    coarse = light_on_pixels(rays, seen.points(2), seen._coarse_alike, 48, lamp)
+    truth = direct._light(rays, seen.points(2), lamp, every)[0]
+    expected = smooth_penumbrae(truth, row[grid], seen._coarse_alike, 48)
+    few = faint[grid]
+    assert coarse[few].sum() == pytest.approx(expected[few].sum(), rel=0.3)
+
+
+def test_every_block_looks_at_the_whole_lamp() -> None:
+    points = probes()[:, 0]
+    assert {(x, y) for x in (0, 1) for y in (0, 1)} <= set(map(tuple, points))
+    assert len(set(map(tuple, np.round(points * 3)))) == 16
+    # Of four neighbours one looks at a corner, two at sides, one within.
+    phase = pixel_phase(8, 8).reshape(8, 8)
+    for y, x in np.ndindex(7, 7):
+        ends = (points[phase[y : y + 2, x : x + 2].ravel()] % 1 == 0).sum(axis=1)
+        assert sorted(ends) == [0, 1, 1, 2]
+    for y, x in np.ndindex(4, 4):
+        assert len(set(phase[y : y + 5, x : x + 5].ravel())) == 16
 
 
 def test_one_sample_in_each_point_of_a_cloud_adds_up(
