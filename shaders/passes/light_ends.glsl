@@ -1,5 +1,5 @@
-// List the pixels where light ends: HIDDEN and VISIBLE both hold within so many steps to one of
-// four neighbours; twin of `light_edges` in engine/backend/cpu/shading.py.
+// List the pixels where light ends: HIDDEN and VISIBLE both hold here or at one of the four
+// neighbours; twin of `light_edges` in engine/backend/cpu/shading.py.
 
 #include "common/each.glsl"
 
@@ -9,19 +9,21 @@ layout(std430) buffer b_list { int listed; int pixels[]; };
 
 uniform int u_count;
 uniform int u_width;
-uniform int u_reach;
 
 void main()
 {
     for (EACH(i, u_count)) {
         if ((flags[i] & 4) != 0)
             continue;
-        int row = i / u_width, column = i % u_width, found = 0;
-        for (int y = max(0, row - u_reach); y <= min(u_count / u_width - 1, row + u_reach); y++) {
-            int left = u_reach - abs(y - row);
-            for (int x = max(0, column - left); x <= min(u_width - 1, column + left); x++)
-                found |= visible[y * u_width + x];
-        }
+        int column = i % u_width, found = visible[i];
+        if (column > 0)
+            found |= visible[i - 1];
+        if (column < u_width - 1)
+            found |= visible[i + 1];
+        if (i >= u_width)
+            found |= visible[i - u_width];
+        if (i + u_width < u_count)
+            found |= visible[i + u_width];
         if (found == 3)
             pixels[atomicAdd(listed, 1)] = i;
     }

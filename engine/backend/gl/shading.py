@@ -50,17 +50,28 @@ class Shading:
         self._run("light_points", surface.count, surface, table, samples, buffers,
                   u_count=surface.count)  # fmt: skip
 
-    def again(
+    def soft(
         self,
         surface: Surface,
         table: LightTable,
-        samples: NDArray[np.float64],
-        listed: Any,
+        lit: NDArray[np.float64],
+        penumbra: NDArray[np.float64],
+        visible: Any,
+        width: int,
+        reach: int,
         radiance: Any,
     ) -> None:
-        """Fill radiance anew at the pixels that `light_ends` has listed."""
-        buffers = {"b_list": listed, "b_radiance": radiance}
-        self._run("light_again", surface.count, surface, table, samples, buffers)
+        """Fill radiance of a light with extent, by what is visible within `reach` pixels each way.
+
+        lit, penumbra (groups, k, 2) are samples where all of it is seen, and where some of it is.
+        """
+        samples = np.concatenate([lit.reshape(1, -1, 2), penumbra.reshape(1, -1, 2)], axis=1)
+        buffers = {"b_visible": visible, "b_radiance": radiance}
+        self._run(
+            "light_soft", surface.count, surface, table, samples, buffers, u_count=surface.count,
+            u_width=width, u_reach=reach, u_groups=len(lit), u_per_point=lit.shape[1],
+            u_per_penumbra=penumbra.shape[1],
+        )  # fmt: skip
 
     def fine(
         self,
@@ -73,7 +84,10 @@ class Shading:
         width: int,
         offsets: NDArray[np.float64],
     ) -> None:
-        """The same, each the mean over a grid of places, offsets (k, 2) in pixels."""
+        """Fill radiance anew at the pixels that `light_ends` has listed.
+
+        Each is the mean over a grid of places, offsets (k, 2) in pixels.
+        """
         buffers = {
             "b_list": listed,
             "b_radiance": radiance,
@@ -117,7 +131,7 @@ class Shading:
                 "b_samples": self._device.upload(samples.astype(np.float32)),
                 "b_texels": self._images(table.texels),
             },
-            u_groups=groups, u_per_point=per_point, u_epsilon=self._epsilon, **uniforms,
+            u_epsilon=self._epsilon, **{"u_groups": groups, "u_per_point": per_point, **uniforms},
         )  # fmt: skip
 
     def _images(self, texels: NDArray[np.float32]) -> Any:
@@ -130,9 +144,7 @@ class Shading:
 _made = cache(made)
 
 
-def light_ends(
-    device: Device, visible: Any, flags: Any, width: int, n: int, reach: int, listed: Any
-) -> None:
+def light_ends(device: Device, visible: Any, flags: Any, width: int, n: int, listed: Any) -> None:
     """List the pixels where light ends, but for those with HAS_SUBSAMPLES, in no certain order.
 
     visible, flags (n,) int32; listed has room for 1 + n int32, the first is their number.
@@ -140,7 +152,7 @@ def light_ends(
     listed.write(bytes(4))
     buffers = {"b_visible": visible, "b_flags": flags, "b_list": listed}
     program = device.program("passes/light_ends.glsl")
-    program.run(n, buffers, u_count=n, u_width=width, u_reach=reach)
+    program.run(n, buffers, u_count=n, u_width=width)
 
 
 def smooth_penumbrae(

@@ -15,12 +15,16 @@ from engine.backend.gl.sums import add, show
 from engine.light.base import Light
 from engine.light.table import light_table
 from engine.methods.fixed_view.direct import (
-    PENUMBRA_REACH,
+    BLOCK,
+    CENTRE,
+    PER_COARSE_PENUMBRA_PIXEL,
     PER_PENUMBRA_PIXEL,
     PER_PIXEL,
     PER_SUBSAMPLE,
+    PROBE_REACH,
     LightPictures,
     light_samples,
+    probes,
 )
 from engine.methods.fixed_view.frame_buffer import FINE, Points
 from engine.methods.fixed_view.view import View
@@ -95,41 +99,43 @@ class GlView:
 
     def _on_buffer(self, light: Light) -> Picture:
         """See `direct.light_on_buffer`."""
-        pixels, buffer, table = self._pixels[1], self._view.buffer, light_table([light])
-        radiance, args = self._picture(pixels.surface.count), (pixels.surface, table)
-        self._shading.points(
-            *args, light_samples(light, PER_PIXEL), radiance.buffer, pixels.visible
-        )
-        reach = PENUMBRA_REACH if light.has_extent else 1
-        n, width = pixels.surface.count, pixels.width
-        light_ends(self._device, pixels.visible, pixels.flags, width, n, reach, pixels.listed)
+        pixels, table = self._pixels[1], light_table([light])
         if light.has_extent:
-            samples = light_samples(light, PER_PENUMBRA_PIXEL)
-            self._shading.again(*args, samples, pixels.listed, radiance.buffer)
-            self._smooth(pixels, radiance)
+            radiance = self._soft(pixels, light, PER_PENUMBRA_PIXEL)
         else:
-            self._shading.fine(
-                *args, light_samples(light, 1), pixels.listed, radiance.buffer,
-                buffer.camera.position, width, FINE,
-            )  # fmt: skip
+            radiance = self._picture(pixels.surface.count)
+            args, n = (pixels.surface, table, CENTRE), pixels.surface.count
+            self._shading.points(*args, radiance.buffer, pixels.visible)
+            listed = pixels.listed
+            light_ends(self._device, pixels.visible, pixels.flags, pixels.width, n, listed)
+            eye = self._view.scene.camera.position
+            self._shading.fine(*args, listed, radiance.buffer, eye, pixels.width, FINE)
         samples = light_samples(light, PER_SUBSAMPLE)
         self._shading.sub(self._sub, table, samples, self._edge, radiance.buffer)
         return radiance
 
     def _on_coarse(self, light: Light) -> Picture:
         """See `direct.light_on_pixels`."""
-        pixels, table = self._pixels[2], light_table([light])
-        radiance = self._picture(pixels.surface.count)
-        samples = light_samples(light, PER_PIXEL)
-        self._shading.points(pixels.surface, table, samples, radiance.buffer, pixels.visible)
+        pixels = self._pixels[2]
         if light.has_extent:
-            self._smooth(pixels, radiance)
+            return self._soft(pixels, light, PER_COARSE_PENUMBRA_PIXEL)
+        radiance, table = self._picture(pixels.surface.count), light_table([light])
+        self._shading.points(pixels.surface, table, CENTRE, radiance.buffer, pixels.visible)
         return radiance
 
-    def _smooth(self, pixels: Pixels, radiance: Picture) -> None:
+    def _soft(self, pixels: Pixels, light: Light, per_penumbra: int) -> Picture:
+        """See `direct._soft_light`."""
+        radiance, table = self._picture(pixels.surface.count), light_table([light])
+        self._shading.points(pixels.surface, table, probes(), radiance.buffer, pixels.visible)
+        lit, penumbra = (light_samples(light, k)[:BLOCK] for k in (PER_PIXEL, per_penumbra))
+        self._shading.soft(
+            pixels.surface, table, lit, penumbra, pixels.visible, pixels.width, PROBE_REACH,
+            radiance.buffer,
+        )  # fmt: skip
         smooth_penumbrae(
             self._device, pixels.surface, pixels.flags, pixels.width, radiance.buffer, pixels.spare
         )
+        return radiance
 
     def _standing_of(self, scale: int) -> Any:
         """What no light edit changes, sent again only when it is another array."""
