@@ -13,16 +13,16 @@ Backend = Literal["auto", "cpu", "gl"]
 VARIABLE = "RELIGHT_BACKEND"
 
 
-def wanted(asked: Backend | None = None) -> Backend:
+def wanted(asked: str | None = None) -> Backend:
     """What was asked for, else what the environment variable says, else `auto`.
 
     Raises InputError for a name that is no backend.
     """
     name = asked or os.environ.get(VARIABLE) or "auto"
     if name not in get_args(Backend):
-        raise InputError(
-            f"{name!r} is no backend; there are {', '.join(get_args(Backend))}", field=VARIABLE
-        )
+        known = ", ".join(get_args(Backend))
+        field = "backend" if asked else VARIABLE
+        raise InputError(f"{name!r} is no backend; there are {known}", field=field)
     return name  # type: ignore[return-value]
 
 

@@ -91,7 +91,7 @@ def _transport(report: Report) -> None:
         prepare(scene, METHOD, settings, lambda p, *_: report(shares.get(p, 0)), store=store)
         product = prepare(scene, METHOD, settings, store=store)
         for scale in (1, 2):
-            product.relight(Edits(), scale)
+            product.relight(Edits(), scale, "cpu")
     report(1)
 
 

@@ -1,4 +1,8 @@
-"""Shaders as text: each file once, however often it is included, and errors in their own terms."""
+"""Shaders as text: each file once, however often it is included, and errors in their own terms.
+
+Drivers disagree on #line, and some forget the number of the file, so the text has none: line
+numbers of the whole are translated into those of the files.
+"""
 
 from __future__ import annotations
 
@@ -11,31 +15,26 @@ from engine.resources import resource
 
 VERSION = 430
 _INCLUDE = re.compile(r'\s*#include\s+"([^"]+)"\s*$')
-# Mesa: 2:14(7): error; NVIDIA: 2(14) : error; others: ERROR: 2:14: ...
-_PLACES = (
-    re.compile(r"^(?P<file>\d+):(?P<line>\d+)\(\d+\)", re.M),
-    re.compile(r"^(?P<file>\d+)\((?P<line>\d+)\)", re.M),
-    re.compile(r"(?<=ERROR: )(?P<file>\d+):(?P<line>\d+)"),
-    re.compile(r"(?<=WARNING: )(?P<file>\d+):(?P<line>\d+)"),
+# Mesa: 0:14(7): error; NVIDIA: 0(14) : error; others: ERROR: 0:14: ...
+_PLACE = re.compile(
+    r"^(?P<before>(?:ERROR: |WARNING: )?)\d+(?::(?P<a>\d+)(?:\(\d+\))?|\((?P<b>\d+)\))", re.M
 )
 
 
 class Source(NamedTuple):
-    """A whole shader. `files` are its parts by the numbers that GLSL's #line gives them."""
+    """A whole shader, and for every line of it the file and line that it is from."""
 
     text: str
-    files: tuple[str, ...]
+    places: tuple[str, ...]
 
     def explain(self, log: str) -> str:
-        """A compiler's log with file names in place of numbers."""
-        for place in _PLACES:
-            log = place.sub(self._place, log)
-        return log
+        """A compiler's log with files and their lines in place of lines of the whole."""
+        return _PLACE.sub(self._place, log)
 
     def _place(self, found: re.Match[str]) -> str:
-        number = int(found["file"])
-        name = self.files[number] if number < len(self.files) else found["file"]
-        return f"{name}:{found['line']}"
+        line = int(found["a"] or found["b"])
+        known = 1 <= line <= len(self.places)
+        return found["before"] + (self.places[line - 1] if known else found[0])
 
 
 def load(
@@ -48,26 +47,29 @@ def load(
     """
     lines = [f"#version {VERSION}"]
     lines += [f"#define {key} {value}" for key, value in (defines or {}).items()]
-    files: list[str] = []
-    _append(name, "", made or {}, lines, files)
-    return Source("\n".join(lines) + "\n", tuple(files))
+    places = ["the first lines"] * len(lines)
+    _append(name, "", made or {}, lines, places, set())
+    return Source("\n".join(lines) + "\n", tuple(places))
 
 
 def _append(
-    name: str, parent: str, made: Mapping[str, str], lines: list[str], files: list[str]
+    name: str,
+    parent: str,
+    made: Mapping[str, str],
+    lines: list[str],
+    places: list[str],
+    done: set[str],
 ) -> None:
+    done.add(name)
     text = made[name] if name in made else _read(name, parent)
-    number = len(files)
-    files.append(name)
-    lines.append(f"#line 1 {number}")
     for row, line in enumerate(text.splitlines(), 1):
+        place = f"{name}:{row}"
         include = _INCLUDE.match(line)
         if include is None:
             lines.append(line)
-            continue
-        if include[1] not in files:
-            _append(include[1], f"{name}:{row}", made, lines, files)
-        lines.append(f"#line {row + 1} {number}")
+            places.append(place)
+        elif include[1] not in done:
+            _append(include[1], place, made, lines, places, done)
 
 
 def _read(name: str, parent: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,10 @@ from methods.scenes import cornell
 from PIL import Image
 
 from engine.backend.gl.context import device
+from engine.errors import BackendError
 from engine.methods import Product, prepare
 from engine.methods.direct_to_indirect import Settings
+from engine.methods.direct_to_indirect.gl_transfer import GlTransfer
 from engine.scene.build import build
 from engine.scene.edits import Edits
 from engine.scene.open import describe
@@ -121,3 +124,25 @@ def test_the_same_bytes_every_time(corner: Product) -> None:
     between = corner.relight(moved, 1, "gl").image
     assert corner.relight(Edits(), 1, "gl").image.tobytes() == first.tobytes()
     assert between.tobytes() != first.tobytes()
+
+
+def test_gl_that_fails_is_replaced_by_the_cpu(
+    corner: Product, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From the frame on in which it fails, with a plain notice; other products go on with it."""
+    other = copy(corner)
+
+    def fail(*_: Any) -> None:
+        raise BackendError("the GPU has fallen off")
+
+    monkeypatch.setattr(GlTransfer, "draw", fail)
+    expected = corner.relight(Edits(), 1, "cpu")
+    for _ in range(2):
+        frame = other.relight(Edits(), 1, "gl")
+        assert frame.image.tobytes() == expected.image.tobytes()
+        assert [w.code for w in frame.warnings[: -len(expected.warnings)]] == ["gl_unavailable"]
+        assert "has fallen off" in frame.warnings[0].message
+    assert other.relight(Edits(), 1, "cpu").warnings == expected.warnings
+    monkeypatch.undo()
+    assert "read_back" not in other.relight(Edits(), 1, "gl").timings
+    assert "read_back" in corner.relight(Edits(), 1, "gl").timings

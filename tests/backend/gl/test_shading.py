@@ -1,0 +1,82 @@
+"""The passes over a picture equal their twins on the CPU."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from methods.direct_to_indirect.test_gl import shiny
+
+from engine.backend.cpu import penumbra, shading
+from engine.backend.gl.context import Device
+from engine.backend.gl.shading import HAS_SUBSAMPLES, light_ends, smooth_penumbrae
+from engine.backend.gl.sums import add, reflect, show
+from engine.methods.fixed_view.gl_view import upload_points
+from engine.methods.fixed_view.view import View
+
+pytestmark = pytest.mark.gl
+
+
+@pytest.fixture(scope="module")
+def view(tmp_path_factory: pytest.TempPathFactory) -> View:
+    return View(shiny(tmp_path_factory.mktemp("shiny")))
+
+
+def array(buffer: Any, n: int) -> np.ndarray:
+    return np.frombuffer(buffer.read(12 * n), np.float32).reshape(n, 3)
+
+
+def test_where_light_ends(gpu: Device) -> None:
+    width, height = 67, 41
+    rng = np.random.default_rng(1)
+    visible = rng.choice([0, 1, 2, 3], width * height, p=[0.5, 0.24, 0.24, 0.02]).astype(np.uint8)
+    skip = rng.random(len(visible)) < 0.1
+    listed = gpu.room(4 * (1 + len(visible)))
+    for _ in range(2):  # the second list takes the place of the first
+        light_ends(
+            gpu, gpu.upload(visible.astype(np.int32)),
+            gpu.upload(HAS_SUBSAMPLES * skip.astype(np.int32)), width, len(visible), listed,
+        )  # fmt: skip
+    count, *pixels = np.frombuffer(listed.read(), np.int32)
+    expected = shading.light_edges(visible, skip, width)
+    assert 0 < len(expected) < len(visible)
+    np.testing.assert_array_equal(np.sort(pixels[:count]), expected)
+
+
+def test_penumbrae(gpu: Device, view: View) -> None:
+    points, alike, width = view.buffer.centre, view.buffer.alike, view.scene.camera.width
+    radiance = np.random.default_rng(2).random((len(points), 3)).astype(np.float32)
+    buffer = gpu.upload(radiance)
+    smooth_penumbrae(
+        gpu, upload_points(gpu, points), gpu.upload(alike.astype(np.int32)), width, buffer,
+        gpu.room(radiance.nbytes),
+    )  # fmt: skip
+    expected = penumbra.smooth_penumbrae(radiance, points.row, alike, width)
+    np.testing.assert_allclose(array(buffer, len(points)), expected, rtol=1e-5, atol=1e-6)
+
+
+def test_sums(gpu: Device) -> None:
+    rng = np.random.default_rng(3)
+    n = 1000
+    a, b = rng.random((2, n, 3)).astype(np.float32)
+    total = gpu.upload(a)
+    add(gpu, total, gpu.upload(b), n, (1.0, 2.0, -0.5))
+    expected = a + b * np.float32([1, 2, -0.5])
+    np.testing.assert_allclose(array(total, n), expected, rtol=1e-6, atol=1e-7)
+    reflect(gpu, total, gpu.upload(b), n, 0.7)
+    expected *= 0.7 * b
+    np.testing.assert_allclose(array(total, n), expected, rtol=1e-5, atol=1e-7)
+    pixel, cover = rng.permutation(n)[:99], rng.random((99, 1)).astype(np.float32)
+    radiance = rng.random((99, 3)).astype(np.float32)
+    show(gpu, total, pixel, cover, radiance)
+    expected[pixel] = expected[pixel] * (1 - cover) + radiance
+    np.testing.assert_allclose(array(total, n), expected, rtol=1e-5, atol=1e-6)
+
+
+def test_more_items_than_threads(gpu: Device, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What one thread would take is taken by others, several items each."""
+    monkeypatch.setattr("engine.backend.gl.context.MOST_GROUPS", 3)
+    total, n = gpu.floats(3 * 1000), 1000
+    add(gpu, total, gpu.upload(np.ones((n, 3), np.float32)), n)
+    assert (array(total, n) == 1).all()
