@@ -72,3 +72,12 @@ Lit illuminate_area(float p[LIGHT_ROW], vec3 x, float size, vec2 u)
     vec3 w = (at.x * along + at.y * up - z * axis(p)) / r;
     return Lit(w, r, intensity(p) * weight);
 }
+
+vec4 emitted_area(float p[LIGHT_ROW], vec3 o, vec3 d)
+{
+    vec3 along = vec3(p[9], p[10], p[11]), up = vec3(p[12], p[13], p[14]), c = o - place(p);
+    float facing = -dot(d, axis(p)), t = dot(c, axis(p)) / facing;
+    vec3 hit = c + t * d;
+    bool met = facing > 0.0 && t > 0.0 && abs(dot(hit, along)) <= p[15] && abs(dot(hit, up)) <= p[16];
+    return met ? vec4(intensity(p), t) : MISSED;
+}

@@ -2,7 +2,9 @@
 //
 // A light is one file, light/NAME.glsl beside engine/light/NAME.py, with a function
 //     Lit illuminate_NAME(float p[LIGHT_ROW], vec3 x, float size, vec2 u)
-// that gives what the Python `illuminate` gives; `p` is the light's row.
+// that gives what the Python `illuminate` gives; `p` is the light's row. One with extent has
+//     vec4 emitted_NAME(float p[LIGHT_ROW], vec3 o, vec3 d)
+// as well: the radiance that a ray sees of the light itself, and in w the distance, < 0: missed.
 
 const int LIGHT_ROW = 32;
 
@@ -14,6 +16,7 @@ struct Lit {
     vec3 rgb;
 };
 
+const vec4 MISSED = vec4(0.0, 0.0, 0.0, -1.0);
 const Lit UNLIT = Lit(vec3(0.0, 0.0, 1.0), 0.0, vec3(0.0));
 
 vec3 place(float p[LIGHT_ROW])

@@ -49,3 +49,11 @@ Lit illuminate_disk(float p[LIGHT_ROW], vec3 x, float size, vec2 u)
     float turn = kappa / (kappa * kappa * cosine2 + 1.0 - cosine2);
     return Lit(w, h / facing, intensity(p) * (2.0 * PI * f / turn));
 }
+
+vec4 emitted_disk(float p[LIGHT_ROW], vec3 o, vec3 d)
+{
+    vec3 c = o - place(p);
+    float facing = -dot(d, axis(p)), t = dot(c, axis(p)) / facing;
+    vec3 hit = c + t * d;
+    return facing > 0.0 && t > 0.0 && dot(hit, hit) <= p[9] * p[9] ? vec4(intensity(p), t) : MISSED;
+}

@@ -22,3 +22,14 @@ Lit illuminate_sphere(float p[LIGHT_ROW], vec3 x, float size, vec2 u)
     float r = h2 < 0.0 ? sqrt(d2 - radius2) : max(0.0, along - sqrt(h2));
     return Lit(w, r, intensity(p) * (2.0 * PI * versine));
 }
+
+vec4 emitted_sphere(float p[LIGHT_ROW], vec3 o, vec3 d)
+{
+    vec3 c = place(p) - o;
+    float radius2 = p[9] * p[9], along = dot(c, d);
+    vec3 off = c - along * d;
+    float h2 = radius2 - dot(off, off);
+    if (dot(c, c) <= radius2 || along <= 0.0 || h2 < 0.0)
+        return MISSED;
+    return vec4(intensity(p), max(0.0, along - sqrt(h2)));
+}

@@ -109,6 +109,36 @@ class Shading:
         buffers = {"b_edge": edge, "b_radiance": radiance}
         self._run("light_sub", edges, surface, table, samples, buffers, u_edges=edges)
 
+    def lamp(
+        self,
+        surface: Surface,
+        table: LightTable,
+        eye: tuple[float, float, float],
+        width: int,
+        outline: NDArray[np.float64] | None,
+        shown: Any,
+        total: Any,
+    ) -> None:
+        """Lay what the camera sees of a light with extent itself over a picture.
+
+        outline (k, 2) are places in a pixel, for those where the lamp ends; None for no more than
+        one place anywhere. shown has room for (n, 4) float32.
+        """
+        places = np.zeros((1, 2)) if outline is None else outline
+        buffers = {
+            "b_points": surface.buffer,
+            "b_light": self._device.upload(table.row[0]),
+            "b_offsets": self._device.upload(places.astype(np.float32)),
+            "b_shown": shown,
+            "b_sum": total,
+        }
+        for name in ("lamp_centres", "lamp_show"):
+            program = self._device.program(f"passes/{name}.glsl", made=_made(int(table.kind[0])))
+            program.run(
+                surface.count, buffers, u_count=surface.count, u_width=width, u_eye=tuple(eye),
+                u_fine=int(outline is not None),
+            )  # fmt: skip
+
     def _run(
         self,
         name: str,

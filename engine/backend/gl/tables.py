@@ -1,8 +1,8 @@
 """The shaders of the tables: a BRDF or a light has a shader with the name of its Python file.
 
 `shaders/brdf/phong.glsl` holds `evaluate_phong`, `shaders/light/spot.glsl` holds
-`illuminate_spot`. Shaders that need them include `brdf/table.glsl` and `light/chosen.glsl`, which
-are written here.
+`illuminate_spot`; a light with extent has an `emitted_` as well. Shaders that need them include
+`brdf/table.glsl` and `light/chosen.glsl`, which are written here.
 """
 
 from __future__ import annotations
@@ -26,9 +26,15 @@ def brdf_table() -> str:
 
 
 def chosen_light(kind: int) -> str:
-    """`illuminate(p, x, size, u)` of one kind: a program has one, as it draws one light."""
+    """`illuminate(p, x, size, u)` and `emitted(p, o, d)` of the one light that a program draws."""
     name = file_name(list(LIGHTS.values())[kind])
-    return f'#include "light/{name}.glsl"\n#define illuminate illuminate_{name}'
+    return "\n".join(
+        [
+            f'#include "light/{name}.glsl"',
+            f"#define illuminate illuminate_{name}",
+            f"#define emitted emitted_{name}",
+        ]
+    )
 
 
 def made(kind: int) -> dict[str, str]:

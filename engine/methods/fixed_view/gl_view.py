@@ -11,7 +11,7 @@ from engine.backend.gl.bvh import build_tree
 from engine.backend.gl.context import Device
 from engine.backend.gl.points import Surface
 from engine.backend.gl.shading import HAS_SUBSAMPLES, Shading, light_ends, smooth_penumbrae
-from engine.backend.gl.sums import add, show
+from engine.backend.gl.sums import add
 from engine.light.base import Light
 from engine.light.table import light_table
 from engine.methods.fixed_view.direct import (
@@ -27,7 +27,7 @@ from engine.methods.fixed_view.direct import (
     probes,
 )
 from engine.methods.fixed_view.frame_buffer import FINE, Points
-from engine.methods.fixed_view.view import View
+from engine.methods.fixed_view.view import OVER_PIXEL, View
 
 
 class Picture(NamedTuple):
@@ -41,7 +41,7 @@ class Pixels(NamedTuple):
     """The pixels of a view at one scale, on the GPU.
 
     flags    (n,) int32  which neighbours are alike, and whether the pixel has sub-samples
-    visible  (n,) int32, listed (1 + n,) int32, spare (n, 3) float32: room to work in
+    visible  (n,) int32, listed (1 + n,) int32, spare (n, 4) float32: room to work in
     """
 
     surface: Surface
@@ -95,7 +95,14 @@ class GlView:
             add(self._device, total, picture.buffer, n)
         for light in lights:
             if light.enabled and light.has_extent:
-                show(self._device, total, *self._view.lamp(light, scale))
+                self._show(light, scale, total)
+
+    def _show(self, light: Light, scale: int, total: Any) -> None:
+        """See `View._lamp`."""
+        pixels, eye = self._pixels[scale], self._view.scene.camera.position
+        outline = OVER_PIXEL if scale == 1 else None
+        args = (pixels.surface, light_table([light]), eye, pixels.width, outline)
+        self._shading.lamp(*args, pixels.spare, total)
 
     def _on_buffer(self, light: Light) -> Picture:
         """See `direct.light_on_buffer`."""
@@ -145,7 +152,7 @@ class GlView:
         return self._standing[scale][1]
 
     def _picture(self, n: int) -> Picture:
-        return Picture(self._device.room(12 * n), 12 * n)
+        return Picture(self._device.room(16 * n), 12 * n)
 
     def _upload_pixels(self, scale: int, flags: NDArray[np.int32]) -> Pixels:
         device, points = self._device, self._view.points(scale)
@@ -156,7 +163,7 @@ class GlView:
             device.upload(flags.astype(np.int32)),
             device.room(4 * n),
             device.room(4 * (1 + n)),
-            device.room(12 * n),
+            device.room(16 * n),
         )
 
 

@@ -101,8 +101,7 @@ class View:
         out += self.standing_at(scale)
         for light in on:
             if light.enabled and light.has_extent:
-                pixel, cover, radiance = self.lamp(light, scale)
-                out[pixel] = out[pixel] * (1 - cover) + radiance
+                self._show_light(light, scale, out)
         return out
 
     def standing_at(self, scale: int) -> NDArray[np.float32]:
@@ -133,11 +132,12 @@ class View:
         for_ranges(_background, len(points), points.model, points.view, table, out)
         return out
 
-    def lamp(self, light: Light, scale: int) -> Lamp:
-        """What the camera sees of a light with extent itself; at scale 1 antialiased."""
-        return self.pictures.lamp(scale, light, lambda: self._lamp(light, scale))
+    def _show_light(self, light: Light, scale: int, out: NDArray[np.float32]) -> None:
+        pixel, cover, radiance = self.pictures.lamp(scale, light, lambda: self._lamp(light, scale))
+        out[pixel] = out[pixel] * (1 - cover) + radiance
 
     def _lamp(self, light: Light, scale: int) -> Lamp:
+        """What the camera sees of a light with extent itself; at scale 1 antialiased."""
         table = light_table([light])
         points, eye = self.points(scale), np.asarray(self.scene.camera.position, np.float32)
         _, width = self.shape(scale)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from backend.gl.one_call import call
-from light.lights import EXAMPLES, illuminate
+from light.lights import EXAMPLES, WIDE, emitted, illuminate
 
 from engine.backend.gl.context import Device
 from engine.backend.gl.tables import CHOSEN_LIGHT, chosen_light
@@ -52,3 +52,27 @@ def test_illuminate(gpu: Device, light: Light, size: float) -> None:
     assert (off < 1e-4).mean() > 0.998
     assert off.max() < 1e-3
     np.testing.assert_allclose(found[lit, 3], expected[lit, 3], rtol=1e-3)
+
+
+@pytest.mark.parametrize("light", WIDE, ids=lambda light: light.id)
+def test_emitted(gpu: Device, light: Light) -> None:
+    """Along rays at places on the lamp, past its rim, and away from it."""
+    rng = np.random.default_rng(4)
+    o = rng.uniform(-1, 1, (COUNT, 3)).astype(np.float32)
+    d = illuminate(light, o, rng.random((COUNT, 2)))[:, :3] + rng.normal(size=(COUNT, 3)) * (
+        10 ** rng.uniform(-5, 0, (COUNT, 1))
+    )
+    d = (d / np.linalg.norm(d, axis=1, keepdims=True)).astype(np.float32)
+    table = light_table([light])
+    found = call(
+        gpu, CHOSEN_LIGHT, "a.w, a.x, a.y, a.z", 4,
+        made={CHOSEN_LIGHT: chosen_light(int(table.kind[0]))},
+        before="vec4 a = emitted(p, o, d);", p=table.row, o=o, d=d,
+    )  # fmt: skip
+    expected = emitted(light, o, d)
+    met = expected[:, 0] >= 0
+    assert 0.02 < met.mean() < 1
+    # At the rim rounding decides; from afar the rim is everywhere.
+    both = met & (found[:, 0] >= 0)
+    assert (met != (found[:, 0] >= 0)).mean() < 2e-3
+    np.testing.assert_allclose(found[both], expected[both], rtol=2e-3)
