@@ -7,5 +7,5 @@
 | `tables` | which shader belongs to which BRDF and light |
 | `bvh` | the tree through which shadow rays find triangles |
 | `haar`, `product`, `sums` | the transport: transform, packed rows, element-wise steps |
-| `points`, `shading`, `penumbra` | direct light |
+| `points`, `shading` | direct light |
 """

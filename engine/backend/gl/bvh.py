@@ -34,7 +34,7 @@ class Tree(NamedTuple):
 
 
 def build_tree(positions: NDArray[np.float32], triangles: NDArray[np.int32]) -> Tree:
-    """Of positions (v, 3) and triangles (t, 3); a second per million."""
+    """Of positions (v, 3) and triangles (t, 3); three seconds per million."""
     if len(triangles) > MOST_TRIANGLES:
         raise ValueError(f"{len(triangles)} triangles are more than {MOST_TRIANGLES}")
     corners = positions[triangles]

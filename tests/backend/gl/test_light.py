@@ -11,6 +11,7 @@ from engine.backend.gl.context import Device
 from engine.backend.gl.tables import CHOSEN_LIGHT, chosen_light
 from engine.light.base import Light
 from engine.light.table import LIGHTS, light_table
+from engine.resources import resource
 
 pytestmark = pytest.mark.gl
 COUNT = 3000
@@ -76,3 +77,21 @@ def test_emitted(gpu: Device, light: Light) -> None:
     both = met & (found[:, 0] >= 0)
     assert (met != (found[:, 0] >= 0)).mean() < 2e-3
     np.testing.assert_allclose(found[both], expected[both], rtol=2e-3)
+
+
+def test_the_example_of_the_readme(gpu: Device) -> None:
+    """A light of the user's own, as it would lie beside the others."""
+    text = (resource("shaders") / "README.md").read_text()
+    example = text.partition("```glsl\n")[2].partition("```")[0]
+    x = np.random.default_rng(5).normal(size=(20, 3)).astype(np.float32)
+    p = np.zeros((1, 32), np.float32)
+    p[0, :9] = 1, 2, 3, 0, 0, 0, 4, 5, 6
+    found = call(
+        gpu, "light/glow.glsl", "a.w.x, a.w.y, a.w.z, a.distance, a.rgb.x, a.rgb.y, a.rgb.z", 7,
+        made={"light/glow.glsl": example}, before="Lit a = illuminate_glow(p, x, 0.0, vec2(0.5));",
+        p=p, x=x,
+    )  # fmt: skip
+    way = p[0, :3] - x
+    far = np.linalg.norm(way, axis=1, keepdims=True)
+    expected = np.concatenate([way / far, far, np.tile([4, 5, 6], (20, 1))], axis=1)
+    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-6)

@@ -10,10 +10,12 @@ from methods.direct_to_indirect.test_gl import shiny
 from pydantic import TypeAdapter
 
 from engine.backend.cpu import penumbra, shading
+from engine.backend.gl.bvh import build_tree
 from engine.backend.gl.context import Device
-from engine.backend.gl.shading import HAS_SUBSAMPLES, light_ends, smooth_penumbrae
+from engine.backend.gl.shading import HAS_SUBSAMPLES, Shading, light_ends, smooth_penumbrae
 from engine.backend.gl.sums import add, reflect
-from engine.light.table import AnyLight
+from engine.light.table import AnyLight, light_table
+from engine.methods.fixed_view.direct import CENTRE
 from engine.methods.fixed_view.gl_view import GlView, upload_points
 from engine.methods.fixed_view.view import View
 
@@ -104,3 +106,32 @@ def test_lamps_in_the_picture(gpu: Device, view: View, kind: str, scale: int) ->
     wrong = np.abs(found - expected).max(axis=1) > 1e-5 * np.abs(expected).max()
     assert wrong.sum() <= 2
     assert np.linalg.norm(found - expected) < 1e-3 * np.linalg.norm(expected)
+
+
+@pytest.mark.parametrize("kind", ["spot", "area", "projector"])
+def test_light_on_points_whose_normals_lean(gpu: Device, view: View, kind: str) -> None:
+    """Shading normals may lean so far that a light is over one of the two normals alone."""
+    rng = np.random.default_rng(5)
+    points = view.buffer.sub.take(slice(None))
+    lean = points.normal + rng.normal(scale=0.8, size=points.normal.shape)
+    lean *= np.sign((lean * points.view).sum(axis=1, keepdims=True))
+    points.normal[:] = lean / np.linalg.norm(lean, axis=1, keepdims=True)
+    points.phase[:] = rng.integers(0, 16, len(points))
+    n, rays = len(points), view.scene.rays
+    table = light_table([light for light in view.scene.lights if light.id == kind])
+    samples = rng.random((4, 3, 2)) if table.extent[0] else CENTRE
+    at = np.arange(n, dtype=np.int32)
+    expected, visible = shading.light_points(
+        rays, at, points.position, points.normal, points.geometric, points.view, points.model,
+        points.row, points.phase, points.size, table, samples,
+    )  # fmt: skip
+    radiance, found = gpu.room(12 * n), gpu.room(4 * n)
+    geometry = view.scene.geometry
+    tree = build_tree(geometry.positions, geometry.triangles)
+    lit = Shading(gpu, tree, rays.epsilon)
+    lit.points(upload_points(gpu, points), table, samples, radiance, found)
+    assert len(set(visible)) >= 3
+    wrong = np.frombuffer(found.read(4 * n), np.int32) != visible
+    assert wrong.mean() < 1e-3
+    off = (array(radiance, n) - expected)[~wrong]
+    assert np.linalg.norm(off) < 1e-4 * np.linalg.norm(expected)

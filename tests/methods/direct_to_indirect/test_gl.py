@@ -15,7 +15,7 @@ from PIL import Image
 from engine.backend.gl.context import device
 from engine.errors import BackendError
 from engine.methods import Product, prepare
-from engine.methods.direct_to_indirect import Settings
+from engine.methods.direct_to_indirect import Settings, Transfer
 from engine.methods.direct_to_indirect.gl_transfer import GlTransfer
 from engine.scene.build import build
 from engine.scene.edits import Edits
@@ -124,6 +124,24 @@ def test_the_same_bytes_every_time(corner: Product) -> None:
     between = corner.relight(moved, 1, "gl").image
     assert corner.relight(Edits(), 1, "gl").image.tobytes() == first.tobytes()
     assert between.tobytes() != first.tobytes()
+
+
+@pytest.mark.parametrize("scale", [1, 2])
+def test_compose(corner: Transfer, scale: int) -> None:
+    """Arriving light of either sign, as culling may leave it; what is below 0 is none."""
+    corner.relight(Edits(), scale, "gl")
+    gl, n = corner._gl, len(corner.view.points(scale))
+    assert gl is not None
+    rng = np.random.default_rng(6)
+    arriving, mirrored = rng.normal(size=(2, n, 3)).astype(np.float32)
+    image = rng.random((n, 3)).astype(np.float32)
+    for buffer, array in ((gl._arriving, arriving), (gl._mirrored, mirrored), (gl._image, image)):
+        buffer.write(array)
+    gl._compose(scale, n)
+    device().check()
+    found = np.frombuffer(gl._image.read(image.nbytes), np.float32).reshape(n, 3)
+    corner._compose(arriving, mirrored, image, scale)
+    np.testing.assert_allclose(found, image, rtol=1e-5, atol=1e-6)
 
 
 def test_gl_that_fails_is_replaced_by_the_cpu(
