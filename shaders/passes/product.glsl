@@ -18,6 +18,7 @@ uniform int u_tiles;
 // ROWS is 64, or 16 for the first quarter of every tile.
 const int WORDS = ROWS / 4, SHARES = 64 / WORDS;
 shared vec4 sums[3][64];
+shared vec3 lit[64]; // scale times light of the wavelets at hand
 
 void main()
 {
@@ -25,13 +26,24 @@ void main()
     // The same number of rounds for all threads of all groups keeps the barriers in step.
     for (int t = int(gl_WorkGroupID.x); t < u_tiles; t += int(gl_NumWorkGroups.x)) {
         vec4 red = vec4(0.0), green = vec4(0.0), blue = vec4(0.0);
-        for (int k = first[t] + share; k < first[t + 1]; k += SHARES) {
-            int four = int(steps[16 * k + word]), id = 3 * ids[k];
-            vec4 value = scale[k] * vec4(bitfieldExtract(four, 0, 8), bitfieldExtract(four, 8, 8),
-                                         bitfieldExtract(four, 16, 8), bitfieldExtract(four, 24, 8));
-            red += value * light[id];
-            green += value * light[id + 1];
-            blue += value * light[id + 2];
+        int end = first[t + 1];
+        for (int start = first[t]; start < end; start += 64) {
+            barrier(); // the last lights have been used
+            int mine = start + thread;
+            if (mine < end) {
+                int id = 3 * ids[mine];
+                // Each is fetched by one thread for all.
+                lit[thread] = scale[mine] * vec3(light[id], light[id + 1], light[id + 2]);
+            }
+            barrier();
+            for (int k = share; k < min(64, end - start); k += SHARES) {
+                int four = int(steps[16 * (start + k) + word]);
+                vec4 value = vec4(bitfieldExtract(four, 0, 8), bitfieldExtract(four, 8, 8),
+                                  bitfieldExtract(four, 16, 8), bitfieldExtract(four, 24, 8));
+                red += value * lit[k].x;
+                green += value * lit[k].y;
+                blue += value * lit[k].z;
+            }
         }
         sums[0][thread] = red;
         sums[1][thread] = green;

@@ -30,8 +30,8 @@ def test_haar(gpu: Device, levels: int) -> None:
 def test_product(gpu: Device, tiles: int, rows: int) -> None:
     rng = np.random.default_rng(tiles)
     n_g = 256
-    length = rng.integers(0, 60, tiles).astype(np.int32)
-    length[0] = 37
+    length = rng.integers(0, 200, tiles).astype(np.int32)
+    length[0] = 137
     q = int(length.sum())
     matrix = (
         length,
