@@ -2,8 +2,8 @@
 
 Every node of two holds the boxes of both its children. It is split where the surface area
 heuristic, over BINS bins along each axis, is least (Wald 2007, *On fast Construction of SAH-based
-Bounding Volume Hierarchies*). Below DEEP levels it is cut in halves by number, so that its depth
-stays under the shader's stack whatever the triangles.
+Bounding Volume Hierarchies*). Below DEEP levels, and where all lie in one place, it is cut in
+halves as they come, so that its depth stays under the shader's stack whatever the triangles.
 """
 
 from __future__ import annotations
@@ -83,46 +83,39 @@ def _build(low, high, order, nodes, links):
 @njit
 def _split(low, high, order, scratch, first, last, depth):
     """Sort order[first:last] into two parts and return where the second begins."""
-    # Bounds of the centres, twice over: low + high.
     best_cost, best_axis, best_bin = np.inf, -1, 0
-    spread_axis, spread = 0, -1.0
-    for axis in range(3):
-        least, most = np.inf, -np.inf
-        for k in range(first, last):
-            c = np.float64(low[order[k], axis]) + high[order[k], axis]
-            least, most = min(least, c), max(most, c)
-        if most - least > spread:
-            spread_axis, spread = axis, most - least
-        if most <= least or depth >= DEEP:
-            continue
-        cost, where = _best_bin(low, high, order, first, last, axis, least, most)
-        if cost < best_cost:
-            best_cost, best_axis, best_bin = cost, axis, where
-    if best_axis >= 0:
-        axis = best_axis
-        least, most = np.inf, -np.inf
-        for k in range(first, last):
-            c = np.float64(low[order[k], axis]) + high[order[k], axis]
-            least, most = min(least, c), max(most, c)
-        left, right = first, 0
-        for k in range(first, last):
-            i = order[k]
-            c = np.float64(low[i, axis]) + high[i, axis]
-            if _bin(c, least, most) < best_bin:
-                order[left] = i
-                left += 1
-            else:
-                scratch[right] = i
-                right += 1
-        for k in range(right):
-            order[left + k] = scratch[k]
-        return left
-    # Halves by number, along the widest axis.
-    key = np.zeros(last - first)
+    if depth < DEEP:
+        for axis in range(3):
+            least, most = _spread(low, high, order, first, last, axis)
+            if least < most:
+                cost, where = _best_bin(low, high, order, first, last, axis, least, most)
+                if cost < best_cost:
+                    best_cost, best_axis, best_bin = cost, axis, where
+    if best_axis < 0:
+        return (first + last) // 2
+    least, most = _spread(low, high, order, first, last, best_axis)
+    left, right = first, 0
     for k in range(first, last):
-        key[k - first] = np.float64(low[order[k], spread_axis]) + high[order[k], spread_axis]
-    order[first:last] = order[first:last][np.argsort(key, kind="mergesort")]
-    return (first + last) // 2
+        i = order[k]
+        if _bin(np.float64(low[i, best_axis]) + high[i, best_axis], least, most) < best_bin:
+            order[left] = i
+            left += 1
+        else:
+            scratch[right] = i
+            right += 1
+    for k in range(right):
+        order[left + k] = scratch[k]
+    return left
+
+
+@njit
+def _spread(low, high, order, first, last, axis):
+    """Bounds of the boxes' centres, twice over: of low + high."""
+    least, most = np.inf, -np.inf
+    for k in range(first, last):
+        c = np.float64(low[order[k], axis]) + high[order[k], axis]
+        least, most = min(least, c), max(most, c)
+    return least, most
 
 
 @njit
