@@ -29,28 +29,47 @@ def levels(n: int) -> int:
 
 def forward(values: NDArray[np.float32]) -> NDArray[np.float32]:
     """Coefficients (n, c) float32 of values (n, c) float32 in quad-tree order."""
-    k = levels(len(values))
-    out = np.zeros_like(values)
-    scaling = np.ascontiguousarray(values)
-    for level in range(k - 1, -1, -1):
-        parents = np.zeros((4**level, values.shape[1]), values.dtype)
-        _analyse(scaling, parents, out[4**level : 4 ** (level + 1)])
-        scaling = parents
-    out[0] = scaling[0]
+    levels(len(values))
+    out: NDArray[np.float32] = transform(np.ascontiguousarray(values))
     return out
 
 
 def inverse(coefficients: NDArray[np.float32]) -> NDArray[np.float32]:
     """Values (n, c) float32 of coefficients (n, c) float32."""
-    scaling = coefficients[:1].copy()
-    for level in range(levels(len(coefficients))):
-        children = np.zeros((4 ** (level + 1), coefficients.shape[1]), coefficients.dtype)
-        _synthesise(scaling, coefficients[4**level : 4 ** (level + 1)], children)
-        scaling = children
-    return scaling
+    levels(len(coefficients))
+    out: NDArray[np.float32] = restore(np.ascontiguousarray(coefficients))
+    return out
 
 
 @njit(cache=True, nogil=True)
+def transform(values):
+    """`forward` within a kernel, of a contiguous array."""
+    n, channels = values.shape
+    out = np.zeros_like(values)
+    scaling = values
+    while n > 1:
+        n //= 4
+        parents = np.zeros((n, channels), values.dtype)
+        _analyse(scaling, parents, out[n : 4 * n])
+        scaling = parents
+    out[0] = scaling[0]
+    return out
+
+
+@njit(cache=True, nogil=True)
+def restore(coefficients):
+    """`inverse` within a kernel, of a contiguous array."""
+    scaling = coefficients[:1].copy()
+    n = 1
+    while n < coefficients.shape[0]:
+        children = np.zeros((4 * n, coefficients.shape[1]), coefficients.dtype)
+        _synthesise(scaling, coefficients[n : 4 * n], children)
+        scaling = children
+        n *= 4
+    return scaling
+
+
+@njit(nogil=True)
 def _analyse(children, parents, details):
     for i in range(parents.shape[0]):
         for c in range(parents.shape[1]):
@@ -62,7 +81,7 @@ def _analyse(children, parents, details):
             details[3 * i + 2, c] = 0.5 * (v0 - v1 - v2 + v3)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _synthesise(parents, details, children):
     for i in range(parents.shape[0]):
         for c in range(parents.shape[1]):

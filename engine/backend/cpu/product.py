@@ -1,4 +1,12 @@
-"""The product of packed rows with a light in wavelet space."""
+"""The product of packed rows with a light in wavelet space.
+
+Row by row, all wavelets. Tried and left out, with dense tiles in the Cornell box and the living
+room: culling wavelets whose light times their greatest coefficient is small (§3.5 of Hašan et al.
+2006) costs more than it saves until a fifth of them is left, which is off by 2 to 3 % (at 0.15 % a
+half is left, in 1.5 to 2.5 times the time: reading on is faster than choosing). The image-based
+product of §4.4, a block of 8 x 8 pixels at a time, takes 2 to 2.7 times as long without culling and
+1.2 to 1.7 times with culling at 0.15 %.
+"""
 
 from __future__ import annotations
 
@@ -8,15 +16,18 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from engine.numerics import haar
 from engine.numerics.parallel import for_ranges
 
+restore = haar.restore
 TILE = 64
-COARSE = 16
+STEPS = np.array([64, 16, 4, 0])
 
 
 def multiply(
     length: NDArray[np.int32],
     ids: NDArray[np.int32],
+    mean: NDArray[np.float32],
     scale: NDArray[np.float32],
     steps: NDArray[np.int8],
     light: NDArray[np.float32],
@@ -25,51 +36,47 @@ def multiply(
 ) -> NDArray[np.float32]:
     """Matrix times light, (n, 3) float32, each row of the matrix at its place in it.
 
-    length (tiles,), ids, scale (q,), steps (q, 64) are a `PackedRows`; light (n_g, 3) float32 Haar
-    coefficients. places (tiles, 64 or 16) int32 hold a row of the result for every row of a tile,
-    or for its first 16 alone; -1 for a row that is not wanted.
+    length (tiles, 4), ids, mean, scale (q,), steps (bytes,) are a `PackedRows`; light (n_g, 3)
+    float32 Haar coefficients. places (tiles, 64 or 16) int32 hold a row of the result for every row
+    of a tile, or for every fourth; -1 for a row that is not wanted.
     """
-    first = np.concatenate([[0], np.cumsum(length)])
+    first = np.concatenate([[0], np.cumsum(length.sum(axis=1))])
+    start = np.concatenate([[0], np.cumsum(length @ STEPS)])
     out = np.zeros((n, 3), np.float32)
-    args = (first, ids, scale, steps, np.ascontiguousarray(light), places, out)
-    for_ranges(_KERNELS[places.shape[1]], len(length), *args, grain=16)
+    args = (
+        first, start, length, ids, mean, scale, steps, np.ascontiguousarray(light), places, out,
+    )  # fmt: skip
+    for_ranges(_multiply_tiles, len(length), *args, grain=16)
     return out
 
 
-def _kernel(rows: int) -> Any:
-    """The row count is a constant in it, so that the inner loop becomes a few vector instructions.
+def _adder(width: int) -> Any:
+    """Adds `count` wavelets of so many steps to the sums of a tile.
 
-    Four wavelets at a time make one pass over the sums: 5.2 ms for 29 MB, against 8.0 ms one by
-    one, where memory alone would take 4.6.
+    The width is a constant in it, so that the inner loop becomes a few vector instructions. Four
+    wavelets at a time make one pass over the sums, which took two thirds of the time of one by one.
     """
 
-    @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-    def multiply_tiles(start, stop, first, ids, scale, steps, light, places, out):
-        red, green, blue = np.zeros((3, rows), np.float32)
-        for t in range(start, stop):
-            red[:] = 0
-            green[:] = 0
-            blue[:] = 0
-            end = first[t + 1]
-            for k in range(first[t], end, 4):
-                # Past the end of the list: its last wavelet again, with no light.
-                k1, k2, k3 = min(k + 1, end - 1), min(k + 2, end - 1), min(k + 3, end - 1)
-                r0, g0, b0 = _lit(ids[k], scale[k], light)
-                r1, g1, b1 = _lit(ids[k1], scale[k1] * (k1 == k + 1), light)
-                r2, g2, b2 = _lit(ids[k2], scale[k2] * (k2 == k + 2), light)
-                r3, g3, b3 = _lit(ids[k3], scale[k3] * (k3 == k + 3), light)
-                for p in range(rows):
-                    x0, x1 = np.float32(steps[k, p]), np.float32(steps[k1, p])
-                    x2, x3 = np.float32(steps[k2, p]), np.float32(steps[k3, p])
-                    red[p] += x0 * r0 + x1 * r1 + x2 * r2 + x3 * r3
-                    green[p] += x0 * g0 + x1 * g1 + x2 * g2 + x3 * g3
-                    blue[p] += x0 * b0 + x1 * b1 + x2 * b2 + x3 * b3
-            for p in range(rows):
-                i = places[t, p]
-                if i >= 0:
-                    out[i, 0], out[i, 1], out[i, 2] = red[p], green[p], blue[p]
+    @njit(inline="always")
+    def add(k, count, s, ids, scale, steps, light, red, green, blue):
+        end = k + count
+        for j in range(k, end, 4):
+            # Past the end of the list: its last wavelet again, with no light.
+            j1, j2, j3 = min(j + 1, end - 1), min(j + 2, end - 1), min(j + 3, end - 1)
+            r0, g0, b0 = _lit(ids[j], scale[j], light)
+            r1, g1, b1 = _lit(ids[j1], scale[j1] * (j1 == j + 1), light)
+            r2, g2, b2 = _lit(ids[j2], scale[j2] * (j2 == j + 2), light)
+            r3, g3, b3 = _lit(ids[j3], scale[j3] * (j3 == j + 3), light)
+            w0, w1 = _from(steps, s, j - k, width), _from(steps, s, j1 - k, width)
+            w2, w3 = _from(steps, s, j2 - k, width), _from(steps, s, j3 - k, width)
+            for p in range(width):
+                x0, x1 = np.float32(w0[p]), np.float32(w1[p])
+                x2, x3 = np.float32(w2[p]), np.float32(w3[p])
+                red[p] += x0 * r0 + x1 * r1 + x2 * r2 + x3 * r3
+                green[p] += x0 * g0 + x1 * g1 + x2 * g2 + x3 * g3
+                blue[p] += x0 * b0 + x1 * b1 + x2 * b2 + x3 * b3
 
-    return multiply_tiles
+    return add
 
 
 @njit(inline="always")
@@ -78,4 +85,44 @@ def _lit(wavelet, scale, light):
     return step * light[wavelet, 0], step * light[wavelet, 1], step * light[wavelet, 2]
 
 
-_KERNELS = {rows: _kernel(rows) for rows in (TILE, COARSE)}
+@njit(inline="always")
+def _from(steps, start, number, width):
+    # A view, so that the inner loop's index is plainly in range: else it would not be vectorised.
+    return steps[start + number * width : start + (number + 1) * width]
+
+
+_add64, _add16, _add4 = (_adder(int(width)) for width in STEPS[:3])
+
+
+@njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
+def _multiply_tiles(start, stop, first, begin, length, ids, mean, scale, steps, light, places, out):
+    red, green, blue = np.zeros((3, TILE), np.float32)
+    sums = np.zeros((TILE, 3), np.float32)
+    stride = TILE // places.shape[1]
+    for t in range(start, stop):
+        red[:] = 0
+        green[:] = 0
+        blue[:] = 0
+        for k in range(first[t], first[t + 1]):
+            r, g, b = _lit(ids[k], mean[k], light)
+            red[0] += r
+            green[0] += g
+            blue[0] += b
+        k, s = first[t], begin[t]
+        n64, n16, n4 = length[t, 0], length[t, 1], length[t, 2]
+        _add64(k, n64, s, ids, scale, steps, light, red, green, blue)
+        k, s = k + n64, s + 64 * n64
+        _add16(k, n16, s, ids, scale, steps, light, red, green, blue)
+        k, s = k + n16, s + 16 * n16
+        _add4(k, n4, s, ids, scale, steps, light, red, green, blue)
+
+        # From what the tile has in common to its rows.
+        for q in range(TILE):
+            unit = np.float32(8 if q < 4 else 4 if q < 16 else 2)
+            sums[q, 0], sums[q, 1], sums[q, 2] = unit * red[q], unit * green[q], unit * blue[q]
+        rows = restore(sums)
+        for p in range(places.shape[1]):
+            i = places[t, p]
+            if i >= 0:
+                for c in range(3):
+                    out[i, c] = rows[p * stride, c]

@@ -22,7 +22,9 @@ Where we leave the paper: M is applied bounce by bounce (scalar rows, any number
 photon noise), and what culling takes from a bounce is given back (`bounces`); rows come from rays
 that land on gather samples (`fixed_view.gather_rays`), with the paper's links as a setting, whose
 form factors are those of disks (no clamp in corners); 64 neighbouring rows share their list of
-wavelets (`fixed_view.rows`). Frames are drawn by `product` on the CPU, by `gl_transfer` on the GPU.
+wavelets, and what they have in common is stored once (`fixed_view.packing`). Wavelet lights are not
+culled at run time: see `backend.cpu.product`. Frames are drawn by `product` on the CPU, by
+`gl_transfer` on the GPU.
 """
 
 from engine.methods.base import EDITS, Method

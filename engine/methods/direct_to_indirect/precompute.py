@@ -23,7 +23,7 @@ from engine.methods.fixed_view.view import View, gloss_of
 from engine.scene.scene import Scene
 from engine.store import Store
 
-VERSION = 9  # of the stored arrays and of what they mean
+VERSION = 10  # of the stored arrays and of what they mean
 
 # Settings that the matrices do not depend on.
 AT_RUN_TIME = ("bounces",)

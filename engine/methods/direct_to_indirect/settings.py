@@ -19,7 +19,7 @@ class Settings:
     """Samples of the gather cloud: a power of four from 256 to 4,194,304 (§3.4, §6)."""
 
     coefficients: int = 100
-    """Wavelets that a view sample keeps: 1 to 4096 (§3.7, Table 2); see `fixed_view.rows`."""
+    """Wavelets that a view sample keeps: 1 to 4096 (§3.7, Table 2); see `fixed_view.packing`."""
 
     bounce_coefficients: int = 40
     """Wavelets that a gather sample keeps: 1 to 4096 (§3.7, Table 2)."""

@@ -20,7 +20,8 @@ from engine.methods.fixed_view.gather_rays import aim, land, settle
 from engine.methods.fixed_view.hierarchy import Clusters
 from engine.methods.fixed_view.links import closure, find_links, hide, room_for_links
 from engine.methods.fixed_view.nearest import Grid, build_grid
-from engine.methods.fixed_view.rows import TILE, PackedRows, make_scratch, pack, project
+from engine.methods.fixed_view.packing import pack
+from engine.methods.fixed_view.rows import STEPS, TILE, PackedRows, make_scratch, project
 from engine.scene.rays import RayTracer
 
 CHUNK_TILES = 64
@@ -105,6 +106,10 @@ def gather_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     ids, values = np.zeros(1 << 19, np.int32), np.zeros(1 << 19, np.float32)
     starts = np.zeros(TILE + 1, np.int64)
     scratch = make_scratch(len(job.leaf_position))
+    most = LONGEST * job.coefficients
+    wavelets = np.zeros(most, np.int32)
+    mean, scale = np.zeros((2, most), np.float32)
+    steps = np.zeros(most * TILE, np.int8)
     for t, index in enumerate(tiles):
         first, cluster, weight, rays[t] = gather(index)
         while True:
@@ -114,15 +119,18 @@ def gather_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
             if count >= 0:
                 break
             ids, values = np.zeros(2 * len(ids), np.int32), np.zeros(2 * len(ids), np.float32)
-        most = LONGEST * job.coefficients
-        wavelets, scale = np.zeros(most, np.int32), np.zeros(most, np.float32)
-        steps = np.zeros((most, TILE), np.int8)
-        length, kept[t] = pack(
-            ids, values, starts, job.importance, job.coefficients, scratch, wavelets, scale, steps
-        )
+        length = np.zeros((1, len(STEPS)), np.int32)
+        count, size, kept[t] = pack(
+            ids, values, starts, index >= 0, job.importance, job.coefficients, scratch, length[0],
+            wavelets, mean, scale, steps,
+        )  # fmt: skip
         lists.append(
             PackedRows(
-                np.array([length], np.int32), wavelets[:length], scale[:length], steps[:length]
+                length,
+                wavelets[:count].copy(),
+                mean[:count].copy(),
+                scale[:count].copy(),
+                steps[:size].copy(),
             )
         )
     joined = PackedRows(*(np.concatenate(parts) for parts in zip(*lists, strict=True)))
@@ -192,10 +200,19 @@ class _Links:
         job = self._job
         while True:
             links: int = find_links(
-                index, job.position, job.normal, job.geometric, job.leaf_position,
-                job.leaf_geometric, job.clusters, job.link_size, job.patch_size,
-                self._tracer.epsilon, job.seed, self._room,
-            )  # fmt: skip
+                index,
+                job.position,
+                job.normal,
+                job.geometric,
+                job.leaf_position,
+                job.leaf_geometric,
+                job.clusters,
+                job.link_size,
+                job.patch_size,
+                self._tracer.epsilon,
+                job.seed,
+                self._room,
+            )
             if links >= 0:
                 return links
             self._room = room_for_links(TILE, 2 * len(self._room.origin), 2 * len(self._room.link))

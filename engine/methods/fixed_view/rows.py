@@ -1,13 +1,10 @@
-"""Rows of a gather matrix, in wavelet space, culled and packed in tiles.
+"""Rows of a gather matrix in wavelet space, and the form in which they are kept.
 
 A *tile* is 64 points that lie together: 8 x 8 pixels, or three levels of the gather hierarchy. Its
-rows share one list of wavelet ids, so the packed tile is a dense block of bytes. The paper gives
-every row a list of its own (Hašan et al. 2006, §3.5); the shared list costs a third of the bytes
-per coefficient and lets the product run at the speed of memory.
-
-The list holds the wavelets with the greatest energy over the tile, weighted by their `importance`.
-It is as long as it must be to keep what the rows would keep with the asked number of coefficients
-each, a list of their own: typically twice that number.
+rows share one list of wavelet ids. The paper gives every row a list of its own (Hašan et al. 2006,
+§3.5). Neighbouring rows are much alike, so a wavelet's 64 coefficients are Haar-transformed once
+more, over the points of the tile: `engine.methods.fixed_view.packing` keeps as many of those as
+they are worth.
 """
 
 from __future__ import annotations
@@ -27,26 +24,47 @@ TILE = 64
 class PackedRows(NamedTuple):
     """A matrix of `tiles` x 64 rows and n_g columns in wavelet space, 8 bits a coefficient.
 
-    length   (tiles,) int32     wavelets in each tile's list; the lists follow each other
-    ids      (q,) int32         wavelet
-    scale    (q,) float32       value of one step of its coefficients
-    steps    (q, 64) int8       its coefficients in the 64 rows, in units of scale
+    The rows of a tile are in quad-tree order. A wavelet's coefficients in them are its mean plus
+    the `inverse` of scale · unit · steps, with `unit` the square root of the number of rows that a
+    step covers. There are 64 steps, or the coarsest 16 or 4, or none. The first is always 0: in
+    its place stands the mean.
+
+    length   (tiles, 4) int32  wavelets in each tile's list that have 64, 16, 4, no steps; the lists
+                               follow each other, within each those of 64 steps first
+    ids      (q,) int32        wavelet
+    mean     (q,) float32      of its coefficients over the tile
+    scale    (q,) float32      value of one step
+    steps    (bytes,) int8     the steps of all wavelets, in their order
     """
 
     length: NDArray[np.int32]
     ids: NDArray[np.int32]
+    mean: NDArray[np.float32]
     scale: NDArray[np.float32]
     steps: NDArray[np.int8]
 
 
+# By the places in `length`.
+STEPS = (64, 16, 4, 0)
+
+
 def no_rows(tiles: int) -> PackedRows:
     """So many tiles of zeros."""
+    nothing = np.zeros(0, np.float32)
     return PackedRows(
-        np.zeros(tiles, np.int32),
+        np.zeros((tiles, len(STEPS)), np.int32),
         np.zeros(0, np.int32),
-        np.zeros(0, np.float32),
-        np.zeros((0, TILE), np.int8),
+        nothing,
+        nothing,
+        np.zeros(0, np.int8),
     )
+
+
+def step_units() -> NDArray[np.float32]:
+    """(64,) float32: square root of the number of a tile's rows that each step covers."""
+    unit = np.full(TILE, 2, np.float32)
+    unit[:16], unit[:4] = 4, 8
+    return unit
 
 
 class Scratch(NamedTuple):
@@ -56,7 +74,7 @@ class Scratch(NamedTuple):
     touched  (c,) bool
     queue    (c,) int32     touched clusters, those of each level from the level's first row on
     energy   (n_g,) float64
-    slot     (n_g,) int32   place of a wavelet in the tile's list
+    slot     (n_g,) int32   place of a wavelet among those of the tile
     """
 
     scaling: NDArray[np.float32]
@@ -144,69 +162,3 @@ def _clear(scratch, tail):
         for k in range(start, start + tail[level]):
             scratch.scaling[scratch.queue[k]] = 0.0
             scratch.touched[scratch.queue[k]] = False
-
-
-@njit(cache=True, nogil=True)
-def pack(ids, values, starts, importance, coefficients, scratch, out_ids, out_scale, out_steps):
-    """Choose one tile's wavelets and quantise its rows.
-
-    ids, values, starts as from `project`; importance (n_g,) float32 weighs the coefficients of one
-    wavelet against those of others; out_ids, out_scale (k,), out_steps (k, 64) get the tile's list,
-    all zero before. Returns its length and the share of the weighted energy that it keeps.
-    """
-    scratch = borrow(scratch)
-
-    # Sum the energy of every wavelet over the tile.
-    found = 0
-    mine = scratch.queue
-    rows = starts.shape[0] - 1
-    for q in range(starts[rows]):
-        w = ids[q]
-        if scratch.slot[w] == -1:
-            scratch.slot[w] = -2
-            mine[found] = w
-            found += 1
-        scratch.energy[w] += values[q] * values[q]
-
-    # Ask how much each row would keep with a list of its own.
-    target = 0.0
-    for b in range(rows):
-        n = starts[b + 1] - starts[b]
-        own = np.zeros(n)
-        for j in range(n):
-            q = starts[b] + j
-            own[j] = (values[q] * importance[ids[q]]) ** 2
-        if n > coefficients:
-            target += np.partition(own, n - coefficients)[n - coefficients :].sum()
-        else:
-            target += own.sum()
-
-    # Keep those that matter most, until the tile has that much.
-    energy = np.zeros(found)
-    total = kept = 0.0
-    for j in range(found):
-        w = mine[j]
-        energy[j] = -scratch.energy[w] * importance[w] * importance[w]
-        total -= energy[j]
-    order = np.argsort(energy, kind="mergesort")
-    chosen = 0
-    while chosen < min(found, out_ids.shape[0]) and kept < target:
-        out_ids[chosen] = mine[order[chosen]]
-        scratch.slot[out_ids[chosen]] = chosen
-        kept -= energy[order[chosen]]
-        chosen += 1
-
-    # Scale each wavelet's coefficients to eight bits.
-    for q in range(starts[rows]):
-        k = scratch.slot[ids[q]]
-        if k >= 0:
-            out_scale[k] = max(out_scale[k], abs(values[q]) / 127.0)
-    for b in range(rows):
-        for q in range(starts[b], starts[b + 1]):
-            k = scratch.slot[ids[q]]
-            if k >= 0 and out_scale[k] > 0.0:
-                out_steps[k, b] = int(np.rint(values[q] / out_scale[k]))
-    for j in range(found):
-        scratch.slot[mine[j]] = -1
-        scratch.energy[mine[j]] = 0.0
-    return chosen, (kept / total if total > 0.0 else 1.0)

@@ -64,8 +64,10 @@ def test_two_lights_are_the_sum_of_each(box: Transfer) -> None:
     ceiling, key = box.indirect(lights(*off("key"))), box.indirect(lights(*off("ceiling")))
     # Where culling leaves less than no light the irradiance is cut at 0, which is not linear.
     lit = np.minimum(np.minimum(ceiling, key), both) > 1e-6
-    assert lit.mean() > 0.8
-    assert np.abs(both - ceiling - key)[lit].max() < 1e-4 * both.max()
+    # Of an edge pixel, one of four samples may have been cut.
+    lit.reshape(-1, 3)[box.view.buffer.edge] = False
+    assert lit.mean() > 0.7
+    assert np.abs(both - ceiling - key)[lit].max() < 2e-5 * both.max()
     whole = box.relight(Edits()).image
     assert np.isfinite(whole).all()
 

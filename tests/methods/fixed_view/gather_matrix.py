@@ -9,8 +9,16 @@ import numpy as np
 from engine.methods.fixed_view.gather import Job, cosine_lobes
 from engine.methods.fixed_view.hierarchy import Clusters, build_order, describe_clusters
 from engine.methods.fixed_view.links import Links, find_links, hide, room_for_links
-from engine.methods.fixed_view.rows import TILE, PackedRows, make_scratch, pack, project
-from engine.numerics.haar import forward
+from engine.methods.fixed_view.packing import pack
+from engine.methods.fixed_view.rows import (
+    STEPS,
+    TILE,
+    PackedRows,
+    make_scratch,
+    project,
+    step_units,
+)
+from engine.numerics.haar import forward, inverse
 from engine.scene.rays import RayTracer
 
 LINK, PATCH = 0.05, 0.5
@@ -87,32 +95,42 @@ def projected(room: Links, blocked: np.ndarray, samples: Cloud):
     return ids[:count], values[:count], starts
 
 
-def packed(ids, values, starts, n: int, coefficients: int, importance=None):
+def packed(ids, values, starts, n: int, coefficients: int, importance=None, wanted=None):
     """(PackedRows of one tile, share of energy kept)."""
     importance = np.ones(n, np.float32) if importance is None else importance
+    wanted = np.ones(TILE, np.bool_) if wanted is None else wanted
     most = min(8 * coefficients, 4 * n)
-    wavelets, scale = np.zeros(most, np.int32), np.zeros(most, np.float32)
-    steps = np.zeros((most, TILE), np.int8)
+    wavelets, (mean, scale) = np.zeros(most, np.int32), np.zeros((2, most), np.float32)
+    steps, length = np.zeros(most * TILE, np.int8), np.zeros((1, len(STEPS)), np.int32)
     scratch = make_scratch(n)
-    length, kept = pack(
-        ids, values, starts, importance, coefficients, scratch, wavelets, scale, steps
-    )
+    count, size, kept = pack(
+        ids, values, starts, wanted, importance, coefficients, scratch, length[0], wavelets, mean,
+        scale, steps,
+    )  # fmt: skip
     assert not scratch.energy.any()
     assert (scratch.slot == -1).all()
-    rows = PackedRows(
-        np.array([length], np.int32), wavelets[:length], scale[:length], steps[:length]
-    )
+    assert count == length.sum()
+    assert size == length[0] @ STEPS
+    rows = PackedRows(length, wavelets[:count], mean[:count], scale[:count], steps[:size])
     return rows, kept
+
+
+def steps_of(rows: PackedRows) -> list[np.ndarray]:
+    """The steps of every wavelet."""
+    count = np.concatenate([np.repeat(STEPS, tile) for tile in rows.length])
+    return np.split(rows.steps, np.cumsum(count)[:-1]) if len(count) else []
 
 
 def unpacked(rows: PackedRows, n: int, points: int = TILE) -> np.ndarray:
     """(tiles * points, n) float64: the rows in wavelet space, dense."""
-    out = np.zeros((len(rows.length), points, n))
-    first = np.concatenate([[0], np.cumsum(rows.length)])
-    for t in range(len(rows.length)):
-        for k in range(first[t], first[t + 1]):
-            out[t, :, rows.ids[k]] += float(rows.scale[k]) * rows.steps[k, :points].astype(float)
-    return out.reshape(-1, n)
+    out = np.zeros((len(rows.length), TILE, n))
+    tile = np.repeat(np.arange(len(rows.length)), rows.length.sum(axis=1))
+    for k, steps in enumerate(steps_of(rows)):
+        over_tile = np.zeros((TILE, 1))
+        over_tile[: len(steps), 0] = float(rows.scale[k]) * steps
+        over_tile[0] = rows.mean[k]
+        out[tile[k], :, rows.ids[k]] += inverse(over_tile * step_units()[:, None])[:, 0]
+    return out[:, :points].reshape(-1, n)
 
 
 def haar_rows(rows: np.ndarray) -> np.ndarray:

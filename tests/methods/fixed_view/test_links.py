@@ -6,13 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from methods.fixed_view.gather_matrix import dense_rows, links_of, square
+from methods.fixed_view.gather_matrix import dense_rows, links_of, square, unpacked
 from methods.scenes import camera, cornell, rectangle, scene, white_room
 
 from engine.methods.fixed_view.cloud import GatherCloud, build_cloud
 from engine.methods.fixed_view.gather import HEMISPHERE, SURE, Job, cosine_lobes, gather_chunk
 from engine.methods.fixed_view.hierarchy import level_start
 from engine.methods.fixed_view.links import closure, hide
+from engine.methods.fixed_view.rows import PackedRows
 from engine.methods.fixed_view.view import View
 from engine.numerics.haar import forward
 from engine.scene.scene import Scene
@@ -150,8 +151,8 @@ def row_sums(
     made = gather_chunk(job, 0)
     # The Haar coefficients of a constant are its scaling alone.
     scaling = forward(np.ones((n, 1), np.float32))[0, 0]
-    (k,) = np.flatnonzero(made["ids"] == 0)
-    return made["steps"][k] * made["scale"][k] * scaling / np.pi
+    rows = unpacked(PackedRows(*(made[name] for name in PackedRows._fields)), n)
+    return rows[:, 0] * scaling / np.pi
 
 
 def away_from_corners(box, points, distance: float) -> np.ndarray:

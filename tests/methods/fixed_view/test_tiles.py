@@ -1,4 +1,4 @@
-"""Tiles cover every pixel once, and the coarse picture is their first quarter."""
+"""Tiles cover every pixel once, and the coarse picture is every fourth of their rows."""
 
 from __future__ import annotations
 
@@ -20,9 +20,18 @@ def test_every_pixel_is_in_one_tile(width: int, height: int):
         assert len(np.unique(y // 8)) == len(np.unique(x // 8)) == 1
 
 
+def test_pixels_are_in_quad_tree_order():
+    """Four in a row are a block of 2 x 2, sixteen one of 4 x 4."""
+    tile = pixel_tiles(16, 16)[3]
+    for run in (1, 2, 4, 8):
+        y, x = np.divmod(tile.reshape(-1, run * run), 16)
+        assert (np.ptp(x, axis=1) == run - 1).all()
+        assert (np.ptp(y, axis=1) == run - 1).all()
+
+
 @pytest.mark.parametrize(("width", "height"), SIZES)
 def test_coarse_tiles_are_every_second_pixel(width: int, height: int):
-    coarse, full = coarse_tiles(width, height), pixel_tiles(width, height)[:, :16]
+    coarse, full = coarse_tiles(width, height), pixel_tiles(width, height)[:, ::4]
     every_second = np.arange(width * height).reshape(height, width)[::2, ::2].ravel()
     np.testing.assert_array_equal(coarse >= 0, full >= 0)
     np.testing.assert_array_equal(every_second[coarse[coarse >= 0]], full[full >= 0])

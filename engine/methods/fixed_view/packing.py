@@ -1,0 +1,171 @@
+"""Choose a tile's wavelets, and how much of each, and write them in eight bits.
+
+The 64 coefficients of one wavelet are Haar-transformed over the points of the tile. The mean over
+the tile is one number; where the points are alike, it says nearly all, and what differs from point
+to point is mostly the noise of rays. So of each wavelet the coarsest 1, 4, 16 or all 64 are kept,
+or none: what holds the most energy for its bytes. Energy is weighed by the `importance` of the
+wavelet. A byte must be worth PRICE of the last coefficient that a row would keep with the asked
+number of them and a list of its own (Hašan et al. 2006, §3.3).
+
+Cornell box, 256 x 256, against rows of 2,048 rays and 800 coefficients, error in the indirect light
+of six edits (noise of 233 rays in it): dense blocks, 64 rows of each wavelet of the tile's list,
+took 10.7, 19.4, 37.6 MB for 10.5, 8.4, 7.9 %; this takes 5.7 and 12.7 for 7.3 and 6.7 (PRICE 1) and
+22.3 for 6.5 (1/4). Keeping the share of energy that own lists would is as good at that size, but
+pays for noise in larger pictures.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from engine.methods.fixed_view.rows import STEPS, TILE, step_units
+from engine.numerics import haar
+from engine.numerics.borrow import borrow
+
+transform = haar.transform
+UNITS = step_units()
+# Bytes of a wavelet, and of the steps that lead from none to 4, 16, 64.
+PRICE = 0.5
+COSTS = (12.0, 4.0, 12.0, 48.0)
+
+
+@njit(cache=True, nogil=True)
+def pack(
+    ids, values, starts, wanted, importance, coefficients, scratch, out_length, out_ids, out_mean,
+    out_scale, out_steps,
+):  # fmt: skip
+    """Choose one tile's wavelets and quantise them.
+
+    ids, values, starts as from `rows.project`, for 64 rows; wanted (64,) bool, whether a row stands
+    for a point; importance (n_g,) float32 weighs the coefficients of one wavelet against those of
+    others. out_length (4,), out_ids, out_mean, out_scale (k,), out_steps (64 k,) get the tile as in
+    `PackedRows`, with k wavelets at most. Returns the number of wavelets, the number of steps, and
+    the share of the weighted energy that they keep.
+    """
+    scratch = borrow(scratch)
+    mine, found = _find_wavelets(ids, values, starts, scratch)
+    price = PRICE * _price(ids, values, starts, wanted, importance, coefficients)
+
+    # The candidates: as many as there is room for, the greatest energy first.
+    energy = np.zeros(found)
+    for j in range(found):
+        energy[j] = scratch.energy[mine[j]] * importance[mine[j]] ** 2
+    candidates = np.argsort(-energy, kind="mergesort")[: out_ids.shape[0]]
+    rest = energy.sum() - energy[candidates].sum()
+    for j in range(found):
+        scratch.slot[mine[j]] = -1
+        scratch.energy[mine[j]] = 0.0
+    for c in range(len(candidates)):
+        scratch.slot[mine[candidates[c]]] = c
+
+    # What they are over the tile. Rows that nobody wants are made like the others.
+    table = np.zeros((TILE, len(candidates)), np.float32)
+    for b in range(TILE):
+        for q in range(starts[b], starts[b + 1]):
+            if scratch.slot[ids[q]] >= 0:
+                table[b, scratch.slot[ids[q]]] = values[q]
+    for c in range(len(candidates)):
+        scratch.slot[mine[candidates[c]]] = -1
+    _fill_unwanted(table, wanted)
+    table = transform(table)
+
+    # Choose by energy per byte until the share is reached.
+    weight = np.zeros(len(candidates))
+    for c in range(len(candidates)):
+        weight[c] = importance[mine[candidates[c]]] ** 2
+    width, kept = _choose_widths(table, weight, price, rest)
+    count = size = 0
+    for k in range(len(STEPS)):
+        out_length[k] = 0
+        for c in range(len(candidates)):
+            if width[c] == max(1, STEPS[k]):
+                out_ids[count] = mine[candidates[c]]
+                out_mean[count] = table[0, c] / UNITS[0]
+                out_scale[count] = _quantise(table[:, c], out_steps[size : size + STEPS[k]])
+                out_length[k] += 1
+                count += 1
+                size += STEPS[k]
+    return count, size, kept
+
+
+@njit
+def _find_wavelets(ids, values, starts, scratch):
+    """(wavelets, their number); sums the energy of each in scratch."""
+    found = 0
+    mine = scratch.queue
+    for q in range(starts[TILE]):
+        w = ids[q]
+        if scratch.slot[w] == -1:
+            scratch.slot[w] = -2
+            mine[found] = w
+            found += 1
+        scratch.energy[w] += values[q] * values[q]
+    return mine, found
+
+
+@njit
+def _price(ids, values, starts, wanted, importance, coefficients):
+    """Energy that a byte must be worth: the least that rows with a list of their own would keep."""
+    total = 0.0
+    for b in range(TILE):
+        n = starts[b + 1] - starts[b]
+        if n <= coefficients:
+            continue
+        own = np.zeros(n)
+        for j in range(n):
+            q = starts[b] + j
+            own[j] = (values[q] * importance[ids[q]]) ** 2
+        total += np.partition(own, n - coefficients)[n - coefficients]
+    return total / max(1, wanted.sum())
+
+
+@njit
+def _fill_unwanted(table, wanted):
+    mean = np.zeros(table.shape[1], np.float32)
+    for b in range(TILE):
+        if wanted[b]:
+            mean += table[b]
+    mean /= np.float32(max(1, wanted.sum()))
+    for b in range(TILE):
+        if not wanted[b]:
+            table[b] = mean
+
+
+@njit
+def _choose_widths(table, weight, price, rest):
+    """(coefficients to keep of each column (k,), share of the energy that they hold).
+
+    table (64, k) are coefficients over the tile, weight (k,) factors on their energy; `rest` is the
+    energy of what is not in the table.
+    """
+    width = np.zeros(table.shape[1], np.int64)
+    kept, total = 0.0, rest
+    for c in range(table.shape[1]):
+        # The best of the widths: what it holds, less the price of its bytes.
+        best = held = cost = energy = 0.0
+        begin, end = 0, 1
+        for k in range(len(COSTS)):
+            for q in range(begin, end):
+                energy += weight[c] * table[q, c] ** 2
+            cost += COSTS[k]
+            if energy - price * cost > best:
+                best, held, width[c] = energy - price * cost, energy, end
+            begin, end = end, 4 * end
+        kept += held
+        total += energy
+    return width, (kept / total if total > 0.0 else 1.0)
+
+
+@njit
+def _quantise(coefficients, steps):
+    """Fill the steps (n,) but the first; returns the value of one."""
+    largest = 0.0
+    for q in range(1, steps.shape[0]):
+        largest = max(largest, abs(coefficients[q]) / UNITS[q])
+    step = largest / 127.0
+    steps[:] = 0
+    if step > 0.0:
+        for q in range(1, steps.shape[0]):
+            steps[q] = int(np.rint(coefficients[q] / UNITS[q] / step))
+    return step
