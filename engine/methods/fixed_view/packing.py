@@ -9,8 +9,8 @@ number of them and a list of its own (Hašan et al. 2006, §3.3).
 
 Cornell box, 256 x 256, against rows of 2,048 rays and 800 coefficients, error in the indirect light
 of six edits (noise of 233 rays in it): dense blocks, 64 rows of each wavelet of the tile's list,
-took 10.7, 19.4, 37.6 MB for 10.5, 8.4, 7.9 %; this takes 5.7 and 12.7 for 7.3 and 6.7 (PRICE 1) and
-22.3 for 6.5 (1/4). Keeping the share of energy that own lists would is as good at that size, but
+took 10.7, 19.4, 37.6 MB for 10.5, 8.4, 7.9 %; this takes 5.7 and 12.7 for 7.3 and 6.7 (PRICE 1), 11.1
+for 6.4 (1/2), 22.3 for 6.5 (1/4). Keeping the share of energy that own lists would is as good at that size, but
 pays for noise in larger pictures.
 """
 
