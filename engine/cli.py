@@ -18,6 +18,7 @@ from typing import Annotated, Any
 import typer
 from pydantic import ValidationError
 
+from engine.backend.choice import wanted
 from engine.errors import InputError, NotFound, RelightError
 from engine.images import format_of, write_image
 from engine.measure.settings import parse_assignments, parse_value, settings_from
@@ -95,18 +96,27 @@ def render(
         int | None, typer.Option(help="reference: stop at so many samples per pixel")
     ] = None,
     seed: Annotated[int, typer.Option(help="reference: another noise")] = 0,
+    backend: Annotated[
+        str | None,
+        typer.Option(
+            help="auto, cpu or gl, in place of RELIGHT_BACKEND; auto is gl on a GPU, else cpu"
+        ),
+    ] = None,
     set_: SetOption = None,
     size: SizeOption = None,
 ) -> None:
     """Render a scene under edits with a method, or with the reference path tracer."""
     # Find what is wrong before the work, not after it.
     format_of(to)
+    drawing = wanted(backend)
     opened = _open(scene, size)
     change = _read_edits(edits)
     edited = apply(opened, change)
     if method == "reference":
         if set_:
             raise InputError("the reference has no settings; it takes --error and --samples")
+        if backend is not None:
+            raise InputError("the reference has no backends; --backend is for the methods")
         with progress_bars() as progress:
             result = render_reference(
                 edited, error=error, samples=samples, seed=seed, progress=progress
@@ -125,7 +135,7 @@ def render(
     require_supported(method, change)
     with progress_bars() as progress:
         product = prepare(opened, method, settings, progress=progress)
-    frame = product.relight(change)
+    frame = product.relight(change, backend=drawing)
     write_image(to, frame.image, exposure)
     warn(frame.warnings)
     out.print(f"{to}: {1000 * frame.timings['total']:.1f} ms")

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
+
+# A GL context belongs to the thread that made it, so only the tests of GL may make one.
+os.environ.setdefault("RELIGHT_BACKEND", "cpu")
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,8 @@
 A light shader is a small function of position and direction. A new one is one file and one line:
 the file holds a `Light` subclass, its description in JSON, and three Numba kernels; the line names
 both in `engine.light.table.LIGHTS`. From there it is in the schema, in edits, in every renderer and
-on the page, whose handles follow the names of the fields (position, target, direction).
+on the page, whose handles follow the names of the fields (position, target, direction). The GPU
+draws it by a shader of its name in `shaders/light`, see the README there.
 
     illuminate(p, texels, x, size, u1, u2) -> (wx, wy, wz, distance, r, g, b)
         One sample of the light as seen from world position x: unit direction towards it, distance

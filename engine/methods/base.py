@@ -16,6 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.backend.choice import Backend
 from engine.diagnosis import Diagnosis
 from engine.errors import EditNotSupported
 from engine.scene.edits import Edits
@@ -59,10 +60,11 @@ class Product(Protocol):
     def bytes(self) -> int:
         """Size of the transport data."""
 
-    def relight(self, edits: Edits, scale: int = 1) -> Frame:
+    def relight(self, edits: Edits, scale: int = 1, backend: Backend | None = None) -> Frame:
         """The picture under the edits; scale 2 gives every second pixel of every second row.
 
-        Raises EditNotSupported where the product cannot take an edit.
+        `backend` None leaves the choice to RELIGHT_BACKEND; see `engine.backend.choice`. Raises
+        EditNotSupported where the product cannot take an edit.
         """
 
 

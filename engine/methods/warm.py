@@ -18,6 +18,7 @@ from typing import Any
 
 import numba
 
+from engine.backend.gl.bvh import build_tree
 from engine.brdf.table import MODELS
 from engine.light.table import LIGHTS
 from engine.methods import METHODS, prepare
@@ -91,7 +92,9 @@ def _transport(report: Report) -> None:
         prepare(scene, METHOD, settings, lambda p, *_: report(shares.get(p, 0)), store=store)
         product = prepare(scene, METHOD, settings, store=store)
         for scale in (1, 2):
-            product.relight(Edits(), scale)
+            product.relight(Edits(), scale, "cpu")
+    # Drawing on a GPU needs nothing else that is compiled here.
+    build_tree(scene.geometry.positions, scene.geometry.triangles)
     report(1)
 
 

@@ -163,6 +163,18 @@ def test_another_camera_is_another_precompute(relight: Relight) -> None:
     assert np.abs(a - b).max() > 0.01 * a.max()
 
 
+@pytest.mark.gl
+def test_both_backends_write_the_same_picture(relight: Relight) -> None:
+    pictures = []
+    for name in ("cpu", "gl"):
+        where = ["--backend", name, "--out", f"{name}.exr"]
+        run = relight("render", "cornell-box", "--size", "24x24", *SMALL, *where)
+        assert run.returncode == 0, run.stderr
+        assert "The CPU draws" not in run.stderr
+        pictures.append(read_image(relight.folder / f"{name}.exr"))
+    assert np.linalg.norm(pictures[0] - pictures[1]) < 1e-3 * np.linalg.norm(pictures[0])
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -181,6 +193,11 @@ def test_another_camera_is_another_precompute(relight: Relight) -> None:
         (["render", "cornell-box", "--edits", "ghost.json", "--out", "x.exr"], "lights.0"),
         (["render", "cornell-box", "--out", "nowhere/x.exr"], "no such folder"),
         (["render", "cornell-box", "--error", "0.1", "--out", "x.exr"], "--method reference"),
+        (["render", "cornell-box", "--backend", "vulkan", "--out", "x.exr"], "backend: 'vulkan'"),
+        (
+            ["render", "cornell-box", "--method", "reference", "--backend", "gl", "--out", "x.exr"],
+            "no backends",
+        ),
         (["chart", "cornell-box", "--sweep", "bounce=1,2", "--out", "c"], "bounce"),
     ],
 )

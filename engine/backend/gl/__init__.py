@@ -1,1 +1,11 @@
-"""The room of the OpenGL backend, the only place where moderngl may be used; empty so far."""
+"""The GL backend: compute shaders of `shaders/`; the only place where moderngl may be used.
+
+| file | what |
+|---|---|
+| `context` | the one context of the process |
+| `source` | shaders with their includes, and errors that name file and line |
+| `tables` | which shader belongs to which BRDF and light |
+| `bvh` | the tree through which shadow rays find triangles |
+| `haar`, `product`, `sums` | the transport: transform, packed rows, element-wise steps |
+| `points`, `shading` | direct light |
+"""

@@ -23,7 +23,8 @@ photon noise), and what culling takes from a bounce is given back (`bounces`); r
 that land on gather samples (`fixed_view.gather_rays`), with the paper's links as a setting, whose
 form factors are those of disks (no clamp in corners); 64 neighbouring rows share their list of
 wavelets, and what they have in common is stored once (`fixed_view.packing`). Wavelet lights are not
-culled at run time: see `backend.cpu.product`.
+culled at run time: see `backend.cpu.product`. Frames are drawn by `product` on the CPU, by
+`gl_transfer` on the GPU.
 """
 
 from engine.methods.base import EDITS, Method

@@ -29,12 +29,13 @@ class Bounces:
         self, scene: Scene, cloud: GatherCloud, rows: PackedRows, bounces: int, seed: int
     ) -> None:
         """Rows are those of `run_tiles`; lights at random places tell gains and tail."""
-        self._scene, self._cloud, self._rows, self._bounces = scene, cloud, rows, bounces
+        self._scene, self._cloud, self._rows, self.count = scene, cloud, rows, bounces
         self._runs = run_tiles(len(cloud))
-        self._reflected = cloud.albedo / np.float32(np.pi)
+        self.reflected = cloud.albedo / np.float32(np.pi)
         even = haar.forward(np.ones((len(cloud), 3), np.float32))
         self._closed = haar.forward(self._arriving(even))[:, 0].copy()
-        self._gains, self._tail, self._fades = self._trial_bounces(seed)
+        gains, self.tail, self._fades = self._trial_bounces(seed)
+        self.gains = gains[:bounces]
 
     def __call__(self, g: NDArray[np.float32]) -> tuple[NDArray[np.float32], float]:
         """Sum of all bounces in wavelets (n_g, 3), and how wrong its tail may be as a part of it.
@@ -43,19 +44,28 @@ class Bounces:
         for a factor, which trial lights have told.
         """
         total, b = g.copy(), g
-        before = after = _power(g)
-        for gain in self._gains[: self._bounces]:
+        powers = [_power(g)]
+        for gain in self.gains:
             b = self._one_bounce(b, gain)
             total += b
-            before, after = after, _power(b)
-        energy = max(float(_power(total).sum()), 1e-30)
-        if self._bounces == 0:
-            return total, float((after * self._tail).sum()) / energy
-        total += b * self._tail.astype(np.float32)
+            powers.append(_power(b))
+        if self.count:
+            total += b * self.tail.astype(np.float32)
+        return total, self.missing(powers)
+
+    def missing(self, powers: list[NDArray[np.float64]]) -> float:
+        """How wrong the tail may be, as a part of all light; `powers` (3,) of g and every bounce.
+
+        A power is coefficient 0 of a light in wavelets, of each channel.
+        """
+        after, before = powers[-1], powers[max(0, len(powers) - 2)]
+        energy = max(float(np.sum(powers)), 1e-30)
+        if self.count == 0:
+            return float((after * self.tail).sum()) / energy
         # Light that fades faster or slower than the trial lights has another tail.
         fades = after / np.maximum(before, 1e-30)
-        off = np.abs(after * self._tail * (fades / np.maximum(self._fades, 1e-30) - 1))
-        return total, float(off.sum()) / energy
+        off = np.abs(after * self.tail * (fades / np.maximum(self._fades, 1e-30) - 1))
+        return float(off.sum()) / energy
 
     def _one_bounce(self, light: NDArray[np.float32], gain: float) -> NDArray[np.float32]:
         """gain P light, both (n_g, 3) float32 in wavelets: what the cloud reflects of its light."""
@@ -65,7 +75,7 @@ class Bounces:
         return multiply(*self._rows, light, self._runs, len(light))
 
     def _reflect(self, arriving: NDArray[np.float32], gain: float) -> NDArray[np.float32]:
-        return haar.forward(arriving * (np.float32(gain) * self._reflected))
+        return haar.forward(arriving * (np.float32(gain) * self.reflected))
 
     def _gain(
         self, lights: list[NDArray[np.float32]], arriving: list[NDArray[np.float32]]
@@ -88,7 +98,7 @@ class Bounces:
         (3,) is the sum of all bounces after the last that is computed, by that one; fades (3,) is
         what that one keeps of the one before.
         """
-        cloud, bounces = self._cloud, self._bounces
+        cloud, bounces = self._cloud, self.count
         lights = [
             haar.forward(light_on_points(self._scene.rays, cloud.points, light))
             for light in trial_lights(self._scene, cloud, seed)[:TRIALS]

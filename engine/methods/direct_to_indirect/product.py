@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -11,13 +11,17 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from engine.backend.choice import Backend, chosen_device, instead_of_gl
 from engine.backend.cpu.product import multiply
+from engine.backend.gl.context import Device
 from engine.diagnosis import Diagnosis
+from engine.errors import BackendError
 from engine.light.base import Light
 from engine.light.environment import Environment
 from engine.methods.base import Frame, require_supported
 from engine.methods.direct_to_indirect.bounces import Bounces
 from engine.methods.direct_to_indirect.environment import EnvironmentLight, EnvironmentRows
+from engine.methods.direct_to_indirect.gl_transfer import GlTransfer, Parts, Standing
 from engine.methods.direct_to_indirect.settings import Settings
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.direct import light_on_points
@@ -31,6 +35,9 @@ from engine.scene.edits import Edits, edited_environment, edited_lights
 NAME = "direct_to_indirect"
 FAINT = 0.02  # a gloss that reflects less than this counts as matt
 NEGLIGIBLE = 0.02  # of the indirect light: what the bounces may miss before the user is told
+
+Drawn = tuple[NDArray[np.float32], float, dict[str, float]]
+"""A picture (n, 3), what the bounces may miss of all light, and seconds by part."""
 
 
 class Transfer:
@@ -55,6 +62,7 @@ class Transfer:
             1: pixel_tiles(camera.width, camera.height),
             2: coarse_tiles(camera.width, camera.height),
         }
+        self._reflects = len(gloss.ids) + len(environment.gloss.ids) > 0
         self._environment = EnvironmentLight(cloud, environment, self._tiles)
         self._bounces = Bounces(view.scene, cloud, bounce, settings.bounces, settings.seed)
         # Indirect light meets whole pixels where they have no sub-samples.
@@ -66,6 +74,9 @@ class Transfer:
         self._reflectance = {2: Reflectance(*(part[coarse] for part in whole)), 1: whole}
         for part in whole:
             part[view.buffer.edge] = 0
+        # The same on the GPU, from the first frame that it draws; then why it does not.
+        self._gl: GlTransfer | None = None
+        self._gl_failed: Diagnosis | None = None
 
     @property
     def method(self) -> str:
@@ -83,12 +94,57 @@ class Transfer:
         matrices = (self.final, self.gloss, self.bounce, *self.environment)
         return sum(array.nbytes for rows in matrices for array in rows)
 
-    def relight(self, edits: Edits, scale: int = 1) -> Frame:
+    def relight(self, edits: Edits, scale: int = 1, backend: Backend | None = None) -> Frame:
         """See `engine.methods.base.Product.relight`."""
         require_supported(NAME, edits)
+        lights, environment = self._edited(edits)
+        device, notices = chosen_device(backend)
+        drawn = self._on_gl(device, lights, environment, scale) if device is not None else None
+        if device is not None and self._gl_failed is not None:
+            notices = (self._gl_failed,)
+        image, missing, timings = drawn or self._on_cpu(lights, environment, scale)
+        height, width = self.view.shape(scale)
+        warnings = (*notices, *self._warnings(missing, environment))
+        return Frame(image.reshape(height, width, 3), timings, warnings)
+
+    def _on_gl(
+        self,
+        device: Device,
+        lights: tuple[Light, ...],
+        environment: Environment | None,
+        scale: int,
+    ) -> Drawn | None:
+        """The picture by the GPU; None where it has failed, now or before."""
+        if self._gl_failed is not None:
+            return None
+        clock = _Clock(device.context.finish)
+        try:
+            if self._gl is None:
+                self._gl = GlTransfer(device, self._parts())
+            with clock("environment"):
+                standing = self._standing(environment, scale)
+            image, powers = self._gl.draw(lights, standing, scale, clock)
+        except BackendError as error:
+            self._gl, self._gl_failed = None, instead_of_gl(error)
+            return None
+        return image, self._bounces.missing(powers), clock.timings()
+
+    def _standing(self, environment: Environment | None, scale: int) -> Standing:
+        backdrop = self.view.backdrop.picture(environment)
+        if environment is None:
+            return Standing(backdrop)
+        self._environment.use(environment)
+        n = len(self.view.points(scale))
+        arriving, mirrored = self._environment.view(scale, n)
+        return Standing(
+            backdrop, self._environment.gather, arriving, mirrored, self._environment.suns
+        )
+
+    def _on_cpu(
+        self, lights: tuple[Light, ...], environment: Environment | None, scale: int
+    ) -> Drawn:
         clock = _Clock()
         view, cloud = self.view, self.cloud
-        lights, environment = self._edited(edits)
         suns: tuple[Light, ...] = ()
         if environment is not None:
             with clock("environment"):
@@ -117,21 +173,24 @@ class Transfer:
             tiles, n = self._tiles[scale], len(view.points(scale))
             arriving = multiply(*self.final, total, tiles, n)
             # Without glossy pixels nothing takes this up: no need to make zeros of it.
-            glossy = len(self.gloss.ids) + len(self.environment.gloss.ids) > 0
-            mirrored = multiply(*self.gloss, total, tiles, n) if glossy else arriving
+            mirrored = multiply(*self.gloss, total, tiles, n) if self._reflects else arriving
         if environment is not None:
             with clock("environment_view"):
                 matt, gloss = self._environment.view(scale, n)
                 arriving += matt
-                if glossy:
+                if self._reflects:
                     mirrored += gloss
         with clock("view_direct"):
             image = view.direct(lights, scale, environment, suns)
         with clock("compose"):
             self._compose(arriving, mirrored, image, scale)
-        height, width = view.shape(scale)
-        warnings = self._warnings(missing, environment)
-        return Frame(image.reshape(height, width, 3), clock.timings(), warnings)
+        return image, missing, clock.timings()
+
+    def _parts(self) -> Parts:
+        return Parts(
+            self.view, self.cloud, self._bounces, self.bounce, self.final, self.gloss,
+            self._reflects, self._tiles, self._reflectance, self._sub,
+        )  # fmt: skip
 
     def indirect(self, edits: Edits) -> NDArray[np.float32]:
         """The indirect part of the full picture alone, (height, width, 3): for tests and charts."""
@@ -229,9 +288,10 @@ def _reflected(arriving, mirrored, matt, gloss):
 
 
 class _Clock:
-    """Seconds by part."""
+    """Seconds by part, each until `finish` returns."""
 
-    def __init__(self) -> None:
+    def __init__(self, finish: Callable[[], object] = lambda: None) -> None:
+        self._finish = finish
         self._start = time.perf_counter()
         self._parts: dict[str, float] = {}
 
@@ -239,6 +299,7 @@ class _Clock:
     def __call__(self, name: str) -> Iterator[None]:
         start = time.perf_counter()
         yield
+        self._finish()
         self._parts[name] = time.perf_counter() - start
 
     def timings(self) -> dict[str, float]:

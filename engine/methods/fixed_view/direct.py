@@ -7,7 +7,8 @@ change are kept (§5 of Hašan et al. 2006 caches all lights but the moving one)
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -158,26 +159,46 @@ Lamp = tuple[NDArray[np.intp], NDArray[np.float32], NDArray[np.float32]]
 """Pixels (m,) that a lamp covers, how much of each (m, 1), and its radiance there (m, 3)."""
 
 
+class HasBytes(Protocol):
+    """A picture, wherever it lies."""
+
+    @property
+    def nbytes(self) -> int:
+        """Its size."""
+
+
 Key = tuple[int | str, Light]
+Picture = TypeVar("Picture", bound=HasBytes)
 
 
-class LightPictures:
+class LightPictures(Generic[Picture]):
     """Remembers what each light did, so that only lights that changed are computed again."""
 
     def __init__(self) -> None:
-        self._pictures: OrderedDict[Key, NDArray[np.float32]] = OrderedDict()
+        self._pictures: OrderedDict[Key, Picture] = OrderedDict()
         self._bytes = 0
         self._lamps: OrderedDict[tuple[int, Light], Lamp] = OrderedDict()
 
     def total(
-        self,
+        self: LightPictures[NDArray[np.float32]],
         what: int | str,
         lights: tuple[Light, ...],
         compute: Callable[[Light], NDArray[np.float32]],
         n: int,
     ) -> NDArray[np.float32]:
-        """Sum over enabled lights of compute(light) (n, 3); `what` names the kind of picture."""
+        """Sum over enabled lights of compute(light) (n, 3); see `each`."""
         out = np.zeros((n, 3), np.float32)
+        for picture in self.each(what, lights, compute):
+            out += picture
+        return out
+
+    def each(
+        self,
+        what: int | str,
+        lights: tuple[Light, ...],
+        compute: Callable[[Light], Picture],
+    ) -> Iterator[Picture]:
+        """compute(light) of the enabled lights; `what` names the kind of picture."""
         keys = {(what, light) for light in lights if light.enabled}
         for light in lights:
             if not light.enabled:
@@ -185,14 +206,13 @@ class LightPictures:
             key = (what, light)
             if key in self._pictures:
                 self._pictures.move_to_end(key)
-                out += self._pictures[key]
+                yield self._pictures[key]
             else:
                 picture = compute(light)
                 self._keep(key, picture, keys)
-                out += picture
-        return out
+                yield picture
 
-    def _keep(self, key: Key, picture: NDArray[np.float32], wanted: set[Key]) -> None:
+    def _keep(self, key: Key, picture: Picture, wanted: set[Key]) -> None:
         """Remember a picture, in place of the oldest but not of one that is wanted now."""
         while self._pictures and self._bytes + picture.nbytes > KEPT_BYTES:
             oldest = next(iter(self._pictures))

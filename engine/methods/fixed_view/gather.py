@@ -23,8 +23,8 @@ from engine.methods.fixed_view.importance import environment_importance
 from engine.methods.fixed_view.links import closure, find_links, hide, room_for_links
 from engine.methods.fixed_view.nearest import Grid, build_grid
 from engine.methods.fixed_view.openings import aim_through, open_cells, share
-from engine.methods.fixed_view.packer import Packer, Rows
-from engine.methods.fixed_view.rows import TILE
+from engine.methods.fixed_view.packing import Packer
+from engine.methods.fixed_view.rows import TILE, Rows
 from engine.scene.rays import RayTracer
 
 CHUNK_TILES = 64

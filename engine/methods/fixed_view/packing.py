@@ -9,17 +9,26 @@ number of them and a list of its own (Hašan et al. 2006, §3.3).
 
 Cornell box, 256 x 256, against rows of 2,048 rays and 800 coefficients, error in the indirect light
 of six edits (noise of 233 rays in it): dense blocks, 64 rows of each wavelet of the tile's list,
-took 10.7, 19.4, 37.6 MB for 10.5, 8.4, 7.9 %; this takes 5.7 and 12.7 for 7.3 and 6.7 (PRICE 1), 11.1
-for 6.4 (1/2), 22.3 for 6.5 (1/4). Keeping the share of energy that own lists would is as good at that size, but
-pays for noise in larger pictures.
+took 10.7, 19.4, 37.6 MB for 10.5, 8.4, 7.9 %; this takes 5.7 and 12.7 for 7.3 and 6.7 (PRICE 1),
+11.1 for 6.4 (1/2) and 22.3 for 6.5 (1/4). Keeping the share of energy that own lists would is as
+good at that size, but pays for noise in larger pictures.
 """
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-from engine.methods.fixed_view.rows import STEPS, TILE, step_units
+from engine.methods.fixed_view.rows import (
+    STEPS,
+    TILE,
+    PackedRows,
+    Rows,
+    make_scratch,
+    project,
+    step_units,
+)
 from engine.numerics import haar
 from engine.numerics.borrow import borrow
 
@@ -28,6 +37,47 @@ UNITS = step_units()
 # Bytes of a wavelet, and of the steps that lead from none to 4, 16, 64.
 PRICE = 0.5
 COSTS = (12.0, 4.0, 12.0, 48.0)
+
+
+LONGEST = 8  # a tile's list is at most so many times the coefficients asked for
+
+
+class Packer:
+    """Packs tile after tile, with room for it."""
+
+    def __init__(self, importance: NDArray[np.float32], coefficients: int) -> None:
+        """importance (n_g,) and coefficients as `pack` wants them."""
+        self._importance, self._coefficients = importance, coefficients
+        self._depth = haar.levels(len(importance))
+        self._scratch = make_scratch(len(importance))
+        self._ids, self._values = np.zeros(1 << 19, np.int32), np.zeros(1 << 19, np.float32)
+        self._starts = np.zeros(TILE + 1, np.int64)
+        most = LONGEST * coefficients
+        self._wavelets, self._steps = np.zeros(most, np.int32), np.zeros(most * TILE, np.int8)
+        self._mean, self._scale = np.zeros((2, most), np.float32)
+        self._tiles: list[PackedRows] = []
+
+    def add(self, rows: Rows, wanted: NDArray[np.bool_]) -> float:
+        """Pack a tile, of whose rows some are wanted (64,); returns the share of energy kept."""
+        while True:
+            args = (self._depth, self._scratch, self._ids, self._values, self._starts)
+            if project(*rows, *args) >= 0:
+                break
+            room = 2 * len(self._ids)
+            self._ids, self._values = np.zeros(room, np.int32), np.zeros(room, np.float32)
+        length = np.zeros((1, len(STEPS)), np.int32)
+        n, size, kept = pack(
+            self._ids, self._values, self._starts, wanted, self._importance, self._coefficients,
+            self._scratch, length[0], self._wavelets, self._mean, self._scale, self._steps,
+        )  # fmt: skip
+        ids, mean, scale = self._wavelets[:n], self._mean[:n], self._scale[:n]
+        steps = self._steps[:size].copy()
+        self._tiles.append(PackedRows(length, ids.copy(), mean.copy(), scale.copy(), steps))
+        return float(kept)
+
+    def packed(self) -> PackedRows:
+        """All tiles."""
+        return PackedRows(*(np.concatenate(parts) for parts in zip(*self._tiles, strict=True)))
 
 
 @njit(cache=True, nogil=True)

@@ -67,6 +67,18 @@ def step_units() -> NDArray[np.float32]:
     return unit
 
 
+class Rows(NamedTuple):
+    """Rows of a tile as `project` wants them.
+
+    Row b sums the clusters first[b] to first[b + 1] of cluster (p,), each sample of them times
+    weight (p,).
+    """
+
+    first: NDArray[np.int32]
+    cluster: NDArray[np.int32]
+    weight: NDArray[np.float32]
+
+
 class Scratch(NamedTuple):
     """Working memory of one thread, all zero (`slot`: all -1) between tiles.
 

@@ -63,8 +63,8 @@ class View:
         """Casts the primary rays: well under a second per half million pixels."""
         self.scene = scene
         self.buffer: FrameBuffer = frame_buffer.build(scene)
-        self.pictures = LightPictures()
-        self._backdrop = Backdrop(scene, self.buffer)
+        self.pictures: LightPictures[NDArray[np.float32]] = LightPictures()
+        self.backdrop = Backdrop(scene, self.buffer)
         self._reflected: tuple[Environment | None, dict[int, NDArray[np.float32]]] = (None, {})
         width, height = scene.camera.width, scene.camera.height
         grid = np.arange(width * height).reshape(height, width)
@@ -72,7 +72,7 @@ class View:
         height, width = self.shape(2)
         self._coarse.phase[:] = pixel_phase(width, height)
         self._coarse.size[:] *= 2
-        self._coarse_alike = alike_neighbours(
+        self.coarse_alike = alike_neighbours(
             self._coarse.position, self._coarse.normal, self._coarse.object, width
         )
 
@@ -104,17 +104,17 @@ class View:
                 1, shining, lambda light: light_on_buffer(rays, self.buffer, light), len(points)
             )
         else:
-            args = (rays, points, self._coarse_alike, self.shape(scale)[1])
+            args = (rays, points, self.coarse_alike, self.shape(scale)[1])
             out = self.pictures.total(
                 2, shining, lambda light: light_on_pixels(*args, light), len(points)
             )
-        out += self._every(self._backdrop.picture(environment), scale)
+        out += self.every(self.backdrop.picture(environment), scale)
         for light in on:
             if light.enabled and light.has_extent:
                 self._show_light(light, scale, out)
         return out
 
-    def _every(self, picture: NDArray[np.float32], scale: int) -> NDArray[np.float32]:
+    def every(self, picture: NDArray[np.float32], scale: int) -> NDArray[np.float32]:
         """Every scale-th pixel of every scale-th row of a whole picture (n, 3)."""
         camera = self.scene.camera
         image = picture.reshape(camera.height, camera.width, 3)

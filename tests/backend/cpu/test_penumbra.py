@@ -95,9 +95,9 @@ def test_the_faint_end_of_a_penumbra_is_lit(tmp_path: Any) -> None:
     assert (found[faint].max(axis=1) > 0).mean() > 0.95
     # Half as many pixels, four points of the lamp in each.
     grid = np.arange(96 * 96).reshape(96, 96)[::2, ::2].ravel()
-    coarse = light_on_pixels(rays, seen.points(2), seen._coarse_alike, 48, lamp)
+    coarse = light_on_pixels(rays, seen.points(2), seen.coarse_alike, 48, lamp)
     truth = direct._light(rays, seen.points(2), lamp, every)[0]
-    expected = smooth_penumbrae(truth, row[grid], seen._coarse_alike, 48)
+    expected = smooth_penumbrae(truth, row[grid], seen.coarse_alike, 48)
     few = faint[grid]
     assert coarse[few].sum() == pytest.approx(expected[few].sum(), rel=0.3)
 

@@ -52,8 +52,7 @@ def escaping(lobes: Lobes, opening_rays: int, count: int = 233) -> np.ndarray:
         0,
     )  # fmt: skip
     rows = PackedRows(*(made[ENVIRONMENT + f] for f in PackedRows._fields))
-    dense = unpacked(rows, 4**DEPTH)
-    return haar.inverse(np.ascontiguousarray(dense.T, np.float32)).T
+    return haar.inverse(np.ascontiguousarray(unpacked(rows, 4**DEPTH).T, np.float32)).T
 
 
 UP = np.tile(np.float32([0, 1, 0]), (64, 1))

@@ -1,0 +1,179 @@
+"""The direct light of a view on the GPU: the pictures that `direct` and `view` make on the CPU."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.backend.gl.bvh import build_tree
+from engine.backend.gl.context import Device, Uploads
+from engine.backend.gl.points import Surface
+from engine.backend.gl.shading import HAS_SUBSAMPLES, Shading, light_ends, smooth_penumbrae
+from engine.backend.gl.sums import add
+from engine.light.base import Light
+from engine.light.table import light_table
+from engine.methods.fixed_view.direct import (
+    BLOCK,
+    CENTRE,
+    PER_COARSE_PENUMBRA_PIXEL,
+    PER_PENUMBRA_PIXEL,
+    PER_PIXEL,
+    PER_SUBSAMPLE,
+    PROBE_REACH,
+    LightPictures,
+    light_samples,
+    probes,
+)
+from engine.methods.fixed_view.frame_buffer import FINE, Points
+from engine.methods.fixed_view.view import OVER_PIXEL, View
+
+
+class Picture(NamedTuple):
+    """A picture of one light: a buffer of (n, 3) float32."""
+
+    buffer: Any
+    nbytes: int
+
+
+class Pixels(NamedTuple):
+    """The pixels of a view at one scale, on the GPU.
+
+    flags    (n,) int32  which neighbours are alike, and whether the pixel has sub-samples
+    visible  (n,) int32, listed (1 + n,) int32, spare (n, 4) float32: room to work in
+    """
+
+    surface: Surface
+    width: int
+    flags: Any
+    visible: Any
+    listed: Any
+    spare: Any
+
+
+class GlView:
+    """A view on the GPU; lights are remembered one by one, as on the CPU."""
+
+    def __init__(self, device: Device, view: View) -> None:
+        """Uploads the deep frame-buffer and the tree of its triangles."""
+        self._device, self._view = device, view
+        geometry, rays = view.scene.geometry, view.scene.rays
+        self._shading = Shading(
+            device, build_tree(geometry.positions, geometry.triangles), rays.epsilon
+        )
+        self._pictures: LightPictures[Picture] = LightPictures()
+        buffer = view.buffer
+        self._sub, self._edge = upload_points(device, buffer.sub), device.upload(buffer.edge)
+        has_subsamples = np.zeros(len(buffer.centre), np.int32)
+        has_subsamples[buffer.edge] = HAS_SUBSAMPLES
+        self._pixels = {
+            1: self._upload_pixels(1, buffer.alike | has_subsamples),
+            2: self._upload_pixels(2, view.coarse_alike.astype(np.int32)),
+        }
+        self._backdrop = Uploads(device)
+
+    def on_points(self, points: Surface, lights: tuple[Light, ...], total: Any) -> None:
+        """Add the light on points of a cloud; see `direct.light_on_points`."""
+
+        def compute(light: Light) -> Picture:
+            picture = self._picture(points.count)
+            visible = self._device.room(4 * points.count)
+            table, samples = light_table([light]), light_samples(light, 1)
+            self._shading.points(points, table, samples, picture.buffer, visible)
+            return picture
+
+        for picture in self._pictures.each("gather", lights, compute):
+            add(self._device, total, picture.buffer, points.count)
+
+    def direct(
+        self,
+        lights: tuple[Light, ...],
+        backdrop: NDArray[np.float32],
+        scale: int,
+        total: Any,
+        unseen: tuple[Light, ...] = (),
+    ) -> None:
+        """Fill a picture with the direct light on the view samples; see `View.direct`.
+
+        backdrop is the whole picture of what no light changes, the same array as long as it is so.
+        """
+        n = self._pixels[scale].surface.count
+        behind = self._backdrop.of(str(scale), backdrop, lambda a: self._view.every(a, scale))
+        self._device.context.copy_buffer(total, behind, 12 * n)
+        light_it = self._on_buffer if scale == 1 else self._on_coarse
+        for picture in self._pictures.each(scale, lights + unseen, light_it):
+            add(self._device, total, picture.buffer, n)
+        for light in lights:
+            if light.enabled and light.has_extent:
+                self._show(light, scale, total)
+
+    def _show(self, light: Light, scale: int, total: Any) -> None:
+        """See `View._lamp`."""
+        pixels, eye = self._pixels[scale], self._view.scene.camera.position
+        outline = OVER_PIXEL if scale == 1 else None
+        args = (pixels.surface, light_table([light]), eye, pixels.width, outline)
+        self._shading.lamp(*args, pixels.spare, total)
+
+    def _on_buffer(self, light: Light) -> Picture:
+        """See `direct.light_on_buffer`."""
+        pixels, table = self._pixels[1], light_table([light])
+        if light.has_extent:
+            radiance = self._soft(pixels, light, PER_PENUMBRA_PIXEL)
+        else:
+            radiance = self._picture(pixels.surface.count)
+            args, n = (pixels.surface, table, CENTRE), pixels.surface.count
+            self._shading.points(*args, radiance.buffer, pixels.visible)
+            listed = pixels.listed
+            light_ends(self._device, pixels.visible, pixels.flags, pixels.width, n, listed)
+            eye = self._view.scene.camera.position
+            self._shading.fine(*args, listed, radiance.buffer, eye, pixels.width, FINE)
+        samples = light_samples(light, PER_SUBSAMPLE)
+        self._shading.sub(self._sub, table, samples, self._edge, radiance.buffer)
+        return radiance
+
+    def _on_coarse(self, light: Light) -> Picture:
+        """See `direct.light_on_pixels`."""
+        pixels = self._pixels[2]
+        if light.has_extent:
+            return self._soft(pixels, light, PER_COARSE_PENUMBRA_PIXEL)
+        radiance, table = self._picture(pixels.surface.count), light_table([light])
+        self._shading.points(pixels.surface, table, CENTRE, radiance.buffer, pixels.visible)
+        return radiance
+
+    def _soft(self, pixels: Pixels, light: Light, per_penumbra: int) -> Picture:
+        """See `direct._soft_light`."""
+        radiance, table = self._picture(pixels.surface.count), light_table([light])
+        self._shading.points(pixels.surface, table, probes(), radiance.buffer, pixels.visible)
+        lit, penumbra = (light_samples(light, k)[:BLOCK] for k in (PER_PIXEL, per_penumbra))
+        self._shading.soft(
+            pixels.surface, table, lit, penumbra, pixels.visible, pixels.width, PROBE_REACH,
+            radiance.buffer,
+        )  # fmt: skip
+        smooth_penumbrae(
+            self._device, pixels.surface, pixels.flags, pixels.width, radiance.buffer, pixels.spare
+        )
+        return radiance
+
+    def _picture(self, n: int) -> Picture:
+        return Picture(self._device.room(16 * n), 12 * n)
+
+    def _upload_pixels(self, scale: int, flags: NDArray[np.int32]) -> Pixels:
+        device, points = self._device, self._view.points(scale)
+        n = len(points)
+        return Pixels(
+            upload_points(device, points),
+            self._view.shape(scale)[1],
+            device.upload(flags.astype(np.int32)),
+            device.room(4 * n),
+            device.room(4 * (1 + n)),
+            device.room(16 * n),
+        )
+
+
+def upload_points(device: Device, points: Points) -> Surface:
+    """The points on the GPU."""
+    return Surface(
+        device, points.position, points.normal, points.geometric, points.view, points.model,
+        points.row, points.phase, points.size,
+    )  # fmt: skip
