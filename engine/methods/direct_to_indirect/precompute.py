@@ -31,6 +31,9 @@ VERSION = 11  # of the stored arrays and of what they mean
 # Settings that the matrices do not depend on.
 AT_RUN_TIME = ("bounces",)
 
+# Gloss shows the details of an environment: off by 4.5 % in place of 10.6 for rough metal.
+FINER = 4
+
 # One bounce, F_d and F_g.
 MATRICES = ("bounce", "final", "gloss")
 
@@ -151,6 +154,7 @@ def _job(
         link_size=link_size,
         patch_size=s.patch_size,
         coefficients=coefficients,
+        environment_coefficients=FINER * coefficients if gloss else coefficients,
         seed=s.seed + 1 + MATRICES.index(name),
         rays=scene.rays,
     )

@@ -133,23 +133,19 @@ class Transfer:
         backdrop = self.view.backdrop.picture(environment)
         if environment is None:
             return Standing(backdrop)
-        self._environment.use(environment)
-        n = len(self.view.points(scale))
-        arriving, mirrored = self._environment.view(scale, n)
-        return Standing(
-            backdrop, self._environment.gather, arriving, mirrored, self._environment.suns
-        )
+        light, n = self._environment, len(self.view.points(scale))
+        light.use(environment)
+        return Standing(backdrop, light.gather, *light.view(scale, n), light.suns)
 
     def _on_cpu(
         self, lights: tuple[Light, ...], environment: Environment | None, scale: int
     ) -> Drawn:
         clock = _Clock()
         view, cloud = self.view, self.cloud
-        suns: tuple[Light, ...] = ()
         if environment is not None:
             with clock("environment"):
                 self._environment.use(environment)
-                suns = self._environment.suns
+        suns = self._environment.suns if environment is not None else ()
 
         # Direct light on gather samples: g.
         with clock("gather_direct"):
@@ -160,8 +156,7 @@ class Transfer:
                 len(cloud),
             )
             g += cloud.emission
-        if environment is not None:
-            with clock("environment_gather"):
+            if environment is not None:
                 g += self._environment.gather
 
         # Bounces within the cloud: (I + P + ... + P^b) g, from here on in wavelet space.
@@ -194,12 +189,11 @@ class Transfer:
 
     def indirect(self, edits: Edits) -> NDArray[np.float32]:
         """The indirect part of the full picture alone, (height, width, 3): for tests and charts."""
-        frame = self.relight(edits)
+        frame, light = self.relight(edits), self._environment
         lights, environment = self._edited(edits)
-        suns = self._environment.suns if environment is not None else ()
-        direct = self.view.direct(lights, 1, environment, suns)
+        direct = self.view.direct(lights, 1, environment, light.suns if environment else ())
         if environment is not None:
-            self._compose(*self._environment.view(1, len(direct)), direct, 1)
+            self._compose(*light.view(1, len(direct)), direct, 1)
         return frame.image - direct.reshape(frame.image.shape)
 
     def _edited(self, edits: Edits) -> tuple[tuple[Light, ...], Environment | None]:

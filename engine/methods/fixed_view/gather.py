@@ -66,6 +66,7 @@ class Job:
     count                         rays of a point, see `gather_rays`; 0 for links in their place
     link_size, patch_size         see `links`, which know no lobe but the cosine
     coefficients                  that a row would keep with a list of its own
+    environment_coefficients      the same of environment samples
     opening_rays                  rays of a point to what it sees of the environment, at most, see
                                   `openings`; 0 for none but those above
     """
@@ -85,6 +86,7 @@ class Job:
     link_size: float
     patch_size: float
     coefficients: int
+    environment_coefficients: int
     seed: int
     opening_rays: int = 0
     rays: RayTracer | None = field(default=None, repr=False)
@@ -108,7 +110,7 @@ def gather_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     tiles = job.tiles[chunk * CHUNK_TILES : (chunk + 1) * CHUNK_TILES]
     gather = _Rays(job) if job.count else _Links(job)
     surfaces = Packer(job.importance, job.coefficients)
-    beyond = Packer(environment_importance(), job.coefficients)
+    beyond = Packer(environment_importance(), job.environment_coefficients)
     kept = np.ones(len(tiles), np.float32)
     rays = np.zeros(len(tiles), np.int64)
     for t, index in enumerate(tiles):

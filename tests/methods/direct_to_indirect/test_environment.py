@@ -335,7 +335,9 @@ def test_the_living_room_is_lit_through_its_windows(make: Make, shared_data: Pat
     room = room.with_camera(edited_camera(room.camera, size)).with_lights(())
     room = apply(room, Edits(materials={n: {"emission": [0, 0, 0]} for n in room.material_names}))
     edit = sky(map=str(shared_data / "envmaps" / "venice.exr"), rotation_degrees=40)
-    product = make(room, gather_samples=4096)
+    # The usual 100 coefficients are 2.9 % too bright on the whole at this size, by 4,096 samples of
+    # the reference; these 0.1 % too dark. With so few samples it is off by 2 % itself.
+    product = make(room, gather_samples=4096, coefficients=1000)
     truth = render(apply(room, edit), samples=512)
     lit = surfaces(product)
     direct = product.relight(edit).image - product.indirect(edit)

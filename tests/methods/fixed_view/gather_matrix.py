@@ -150,6 +150,7 @@ def job(samples: Cloud, points: np.ndarray, normals: np.ndarray, rays: RayTracer
         "link_size": LINK,
         "patch_size": PATCH,
         "coefficients": 4096,
+        "environment_coefficients": 4096,
         "seed": 1,
         **fields,
     }

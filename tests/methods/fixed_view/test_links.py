@@ -145,6 +145,7 @@ def row_sums(
         link_size=0.05,
         patch_size=0.5,
         coefficients=n,
+        environment_coefficients=n,
         seed=1,
         rays=where.rays,
     )
