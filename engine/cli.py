@@ -151,7 +151,7 @@ def chart(
     size: SizeOption = None,
 ) -> None:
     """Chart a method's speed against its accuracy over its settings."""
-    with _chart_packages():
+    with _optional("chart"):
         from engine.measure.chart import write_chart
         from engine.measure.document import sweep_document
         from engine.measure.machine import this_machine
@@ -182,15 +182,20 @@ def bench(
     history: Annotated[
         Path | None, typer.Option(help="append the result to this file, one line of JSON")
     ] = None,
+    rivals: Annotated[
+        bool, typer.Option("--rivals", help="against Mitsuba 3, alone and denoised; takes minutes")
+    ] = False,
     set_: SetOption = None,
+    size: SizeOption = None,
 ) -> None:
-    """Time precompute and frames, as ratios to this machine's bandwidth and a reference render."""
-    with _chart_packages():
+    """Time precompute and frames, as ratios to this machine's bandwidth and to other renderers."""
+    with _optional("chart"):
         from engine.measure.bench import SCENES
         from engine.measure.bench import bench as run_bench
         from engine.measure.report import bench_tables
-    with progress_bars() as progress:
-        document = run_bench(scenes or SCENES, progress, parse_assignments(set_ or ()))
+    opened = [_open(scene, size) for scene in scenes or SCENES]
+    with progress_bars() as progress, _optional("peers"):
+        document = run_bench(opened, progress, parse_assignments(set_ or ()), against_rivals=rivals)
     if history is not None:
         history.parent.mkdir(parents=True, exist_ok=True)
         with history.open("a") as file:
@@ -275,12 +280,12 @@ def _read_edits(path: Path | None) -> Edits:
 
 
 @contextlib.contextmanager
-def _chart_packages() -> Iterator[None]:
+def _optional(extra: str) -> Iterator[None]:
     try:
         yield
     except ModuleNotFoundError as error:
         raise RelightError(
-            f"charts and benchmarks need {error.name}; please run: pip install 'relight[chart]'"
+            f"this needs {error.name}; please run: pip install 'relight[{extra}]'"
         ) from None
 
 
