@@ -13,9 +13,12 @@ from numpy.typing import NDArray
 from engine.backend.cpu.environment import environment_on_points
 from engine.backend.cpu.product import multiply
 from engine.diagnosis import Diagnosis
+from engine.light.base import Light
 from engine.light.environment import environment_table
 from engine.methods.base import Frame, require_supported
 from engine.methods.direct_to_indirect.bounces import Bounces
+from engine.methods.direct_to_indirect.gloss_limits import Caustics, blurred_mirrors
+from engine.methods.direct_to_indirect.light_balance import LightBalance
 from engine.methods.direct_to_indirect.settings import Settings
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.direct import light_on_points
@@ -60,8 +63,11 @@ class Transfer:
             ENVIRONMENT_SAMPLES, 11,
         )  # fmt: skip
         self._bounces = Bounces(view.scene, cloud, bounce, settings.bounces, settings.seed)
+        self._balance = LightBalance(view.scene, cloud)
         # Indirect light meets whole pixels where they have no sub-samples.
         self._glossy = glossy_pixels(view)
+        self._caustics = Caustics(view.scene, cloud)
+        self._mirrors = blurred_mirrors(view, cloud, self._glossy)
         whole = _as_gathered(view.reflectance, self._glossy)
         self._sub = _as_gathered(view.sub_reflectance, self._glossy[view.buffer.donor])
         grid = np.arange(len(whole.matt)).reshape(camera.height, camera.width)
@@ -89,17 +95,12 @@ class Transfer:
         """See `engine.methods.base.Product.relight`."""
         require_supported(NAME, edits)
         clock = _Clock()
-        view, cloud = self.view, self.cloud
+        view = self.view
         lights = edited_lights(view.scene.lights, edits.lights, view.scene.folder)
 
         # Direct light on gather samples: g.
         with clock("gather_direct"):
-            g = view.pictures.total(
-                "gather",
-                lights,
-                lambda light: light_on_points(view.scene.rays, cloud.points, light),
-                len(cloud),
-            )
+            g = self._on_cloud(lights)
             g += self._standing
 
         # Bounces within the cloud: (I + P + ... + P^b) g, from here on in wavelet space.
@@ -118,8 +119,22 @@ class Transfer:
         with clock("compose"):
             self._compose(arriving, mirrored, image, scale)
         height, width = view.shape(scale)
-        warnings = self._warnings(missing)
+        with clock("diagnosis"):
+            said = (
+                *self._warnings(missing),
+                self._mirrors,
+                self._caustics(g),
+                self._balance(lights, lambda light: self._on_cloud((light,))),
+            )
+            warnings = tuple(warning for warning in said if warning is not None)
         return Frame(image.reshape(height, width, 3), clock.timings(), warnings)
+
+    def _on_cloud(self, lights: tuple[Light, ...]) -> NDArray[np.float32]:
+        """Direct radiance (n_g, 3) of lights on the gather samples."""
+        rays, points = self.view.scene.rays, self.cloud.points
+        return self.view.pictures.total(
+            "gather", lights, lambda light: light_on_points(rays, points, light), len(points)
+        )
 
     def indirect(self, edits: Edits) -> NDArray[np.float32]:
         """The indirect part of the full picture alone, (height, width, 3): for tests and charts."""
