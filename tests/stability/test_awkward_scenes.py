@@ -10,13 +10,11 @@ import pytest
 from methods.scenes import POINT, camera, rectangle, scene, white_room, with_camera
 
 from engine.errors import EditError, SceneError
-from engine.methods import prepare
-from engine.methods.direct_to_indirect import Settings, Transfer
+from engine.methods.direct_to_indirect import Transfer
 from engine.reference import render
 from engine.scene.edits import Edits, edited_camera
 from engine.scene.open import describe
 from engine.scene.scene import Scene
-from engine.store import Store
 
 SIZE = 16
 SPOT = {
@@ -45,17 +43,6 @@ THOUSAND = [
     }
     for k in range(1000)
 ]
-
-
-@pytest.fixture(scope="module")
-def make(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Transfer]:
-    store = Store(tmp_path_factory.mktemp("store"))
-
-    def product(scene: Scene, **settings: object) -> Transfer:
-        chosen = Settings(**{"gather_samples": 256, **settings})  # type: ignore[arg-type]
-        return prepare(scene, "direct_to_indirect", chosen, store=store)  # type: ignore[return-value]
-
-    return product
 
 
 def room(*lights: dict[str, Any], **more: Any) -> Scene:

@@ -20,7 +20,7 @@ from engine.light import table as lights
 from engine.light.base import POSITION, Light
 from engine.light.table import light_table
 from engine.methods.fixed_view.cloud import GatherCloud
-from engine.methods.fixed_view.nearest import build_grid, nearest
+from engine.methods.fixed_view.nearest import Grid, nearest
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import tangents, to_world
 from engine.numerics.sampling import uniform_cone
@@ -29,7 +29,7 @@ from engine.scene.scene import Scene
 
 RAYS = 512
 FEWEST = 64  # of them that must carry light to say anything
-OFF = 0.25  # of the light's own: beyond it the user is told
+OFF = 0.15  # of the light's own: beyond it the user is told
 FAR, TURNED = 2.0, 0.7  # spacings and cosine to the nearest sample that still speaks for a place
 KEPT = 4096
 GOLDEN = 0.6180339887498949
@@ -40,11 +40,9 @@ illuminate = lights.illuminate
 class LightBalance:
     """Compares lights without extent with what the cloud has of them; remembers each light."""
 
-    def __init__(self, scene: Scene, cloud: GatherCloud) -> None:
-        """The cloud is that of the scene."""
-        self._scene, self._cloud = scene, cloud
-        points = cloud.points
-        self._grid = build_grid(points.position, points.geometric, cloud.area)
+    def __init__(self, scene: Scene, cloud: GatherCloud, grid: Grid) -> None:
+        """The cloud is that of the scene, the grid that of the cloud."""
+        self._scene, self._cloud, self._grid = scene, cloud, grid
         self._known: OrderedDict[Light, float] = OrderedDict()
 
     def __call__(

@@ -17,11 +17,13 @@ from engine.light.base import Light
 from engine.light.environment import environment_table
 from engine.methods.base import Frame, require_supported
 from engine.methods.direct_to_indirect.bounces import Bounces
+from engine.methods.direct_to_indirect.coverage import uncovered
 from engine.methods.direct_to_indirect.gloss_limits import Caustics, blurred_mirrors
 from engine.methods.direct_to_indirect.light_balance import LightBalance
 from engine.methods.direct_to_indirect.settings import Settings
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.direct import light_on_points
+from engine.methods.fixed_view.nearest import build_grid
 from engine.methods.fixed_view.rows import PackedRows
 from engine.methods.fixed_view.tiles import coarse_tiles, pixel_tiles
 from engine.methods.fixed_view.view import Reflectance, View
@@ -63,11 +65,15 @@ class Transfer:
             ENVIRONMENT_SAMPLES, 11,
         )  # fmt: skip
         self._bounces = Bounces(view.scene, cloud, bounce, settings.bounces, settings.seed)
-        self._balance = LightBalance(view.scene, cloud)
+        nearby = build_grid(points.position, points.geometric, cloud.area)
+        self._balance = LightBalance(view.scene, cloud, nearby)
         # Indirect light meets whole pixels where they have no sub-samples.
         self._glossy = glossy_pixels(view)
         self._caustics = Caustics(view.scene, cloud)
-        self._mirrors = blurred_mirrors(view, cloud, self._glossy)
+        self._of_view = (
+            blurred_mirrors(view, cloud, self._glossy),
+            uncovered(view, cloud, nearby),
+        )
         whole = _as_gathered(view.reflectance, self._glossy)
         self._sub = _as_gathered(view.sub_reflectance, self._glossy[view.buffer.donor])
         grid = np.arange(len(whole.matt)).reshape(camera.height, camera.width)
@@ -122,7 +128,7 @@ class Transfer:
         with clock("diagnosis"):
             said = (
                 *self._warnings(missing),
-                self._mirrors,
+                *self._of_view,
                 self._caustics(g),
                 self._balance(lights, lambda light: self._on_cloud((light,))),
             )
