@@ -66,17 +66,16 @@ def blurred_mirrors(view: View, cloud: GatherCloud, glossy: NDArray[np.bool_]) -
     footprint = 2 * np.tan(np.minimum(width, 1.2))[met] * hits.distance[met]
     spacing = math.sqrt(cloud.area)
     wider = np.hypot(1, spacing / np.maximum(footprint, 1e-9)) - 1
-    bad = wider > 1
-    share = float(bad.sum()) / len(glossy)
+    share = float((wider > 1).sum()) / len(glossy)
     if share <= NEGLIGIBLE:
         return None
-    middle = float(np.median(wider[bad]))
+    middle = float(np.median(wider))
     return Diagnosis(
         "mirror_blurred",
         f"{100 * share:.0f} % of the picture mirrors the room more sharply than the gather "
-        f"samples lie, {100 * spacing:.2g} cm apart: what it mirrors is about {1 + middle:.0f} "
-        "times as wide as it should be. Four times the gather_samples halve that; true mirrors "
-        "need the reference.",
+        f"samples lie, {100 * spacing:.2g} cm apart: a point of it looks about {1 + middle:.1f} "
+        "times as wide in them as it should. Four times the gather_samples halve that; true "
+        "mirrors need the reference.",
         middle,
     )
 
