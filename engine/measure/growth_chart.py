@@ -73,7 +73,7 @@ def draw(document: dict[str, Any]) -> Figure:
                 axes.set_xlabel(name.replace("_", " "))
     title = f"how cost grows: {TITLE.format(**document)}"
     figure.suptitle(title, fontsize=11, x=0.01, ha="left")
-    caption = f"the number in a panel is the power with which it grows; {machine_caption(document)}"
+    caption = f"the number at a panel is the power with which it grows; {machine_caption(document)}"
     figure.supxlabel(caption, fontsize=7, color=GREY, x=0.01, ha="left")
     return figure
 
@@ -104,9 +104,7 @@ def _draw_line(axes: Axes, size: list[float], cost: list[float], number: int) ->
     axes.spines[["top", "right"]].set_visible(False)
     power = growth_power(size, cost)
     if power is not None:
-        axes.text(
-            0.04, 0.93, f"{power:+.2f}", transform=axes.transAxes, fontsize=8, color=GREY, va="top"
-        )
+        axes.set_title(f"{power:+.2f}", loc="right", fontsize=8, color=GREY, pad=2)
 
 
 def _short(value: float) -> str:

@@ -35,6 +35,7 @@ from engine.scene.scene import Scene
 Node = dict[str, Any]
 """What `mitsuba.load_dict` takes."""
 
+WIDE = 0.4  # GGX's α from which a cosine lobe counts as matt, since facets would lose its light
 DIELECTRIC = 0.2  # reflectance at normal incidence up to which a gloss counts as a clear coat
 
 
@@ -141,6 +142,8 @@ def _bsdf(scene: Scene, index: int, material: Material) -> Node:
     specular = row[3:6]
     if isinstance(material, Diffuse) or not specular.any():
         inner: Node = {"type": "diffuse", "reflectance": base}
+    elif not isinstance(material, Ggx) and _alpha(material) > WIDE:
+        inner = {"type": "diffuse", "reflectance": _texture(scene, index, row[:3], specular)}
     elif specular.max() > DIELECTRIC:
         # Like a metal; a base below it is lost.
         inner = {
@@ -171,14 +174,16 @@ def _alpha(material: Any) -> float:
     return float(np.sqrt(2 / (exponent + 2)))
 
 
-def _texture(scene: Scene, index: int, constant: NDArray[np.float32]) -> Node:
-    """The diffuse reflectance of a material: a colour, or an image times that colour."""
+def _texture(
+    scene: Scene, index: int, constant: NDArray[np.float32], more: NDArray[np.float32] | float = 0.0
+) -> Node:
+    """The diffuse reflectance of a material, a colour or an image times that colour, and more."""
     table = scene.material_table
     q = table.maps[index, TEXTURE_SLOTS.index("diffuse")]
     if q < 0:
-        return _rgb(constant)
+        return _rgb(constant + more)
     first, width, height = table.texture[q]
-    image = table.texels[first : first + width * height].reshape(height, width, 3) * constant
+    image = table.texels[first : first + width * height].reshape(height, width, 3) * constant + more
     return {
         "type": "bitmap",
         "bitmap": mi.Bitmap(np.ascontiguousarray(image, np.float32)),
