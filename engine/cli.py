@@ -154,32 +154,37 @@ def chart(
     ] = None,
     edits: Annotated[int, typer.Option(min=1, help="how many unseen light edits to judge on")] = 4,
     seed: Annotated[int, typer.Option(min=0, help="draws the light edits")] = 1,
+    growth: Annotated[
+        bool, typer.Option("--growth", help="how cost grows with scene and settings instead")
+    ] = False,
     reference_error: Annotated[
         float, typer.Option(min=1e-4, max=1, help="relative L2 error of the references")
     ] = 0.05,
     set_: SetOption = None,
     size: SizeOption = None,
 ) -> None:
-    """Chart a method's speed against its accuracy over its settings."""
-    with _chart_packages():
+    """Chart a method's speed against its accuracy over its settings, or how its cost grows."""
+    with _optional("chart"):
+        from engine.measure import growth_chart
         from engine.measure.chart import write_chart
         from engine.measure.document import sweep_document
+        from engine.measure.growth import growth as run_growth
         from engine.measure.machine import this_machine
         from engine.measure.sweep import sweep as run_sweep
     opened = _open(scene, size)
     methods = [_known(name) for name in method or [DEFAULT_METHOD]]
+    judged: dict[str, Any] = {"edits": edits, "seed": seed, "reference_error": reference_error}
+    fixed, values = parse_assignments(set_ or ()), _knobs(sweep)
     with progress_bars() as progress:
-        result = run_sweep(
-            opened,
-            methods,
-            fixed=parse_assignments(set_ or ()),
-            knobs=_knobs(sweep),
-            edits=edits,
-            seed=seed,
-            reference_error=reference_error,
-            progress=progress,
-        )
-    for path in write_chart(sweep_document(result, this_machine()), to):
+        if growth:
+            grown = run_growth(opened, fixed=fixed, axes=values, progress=progress, **judged)
+            paths = growth_chart.write(opened, grown, this_machine(), to)
+        else:
+            result = run_sweep(
+                opened, methods, fixed=fixed, knobs=values, progress=progress, **judged
+            )
+            paths = write_chart(sweep_document(result, this_machine()), to)
+    for path in paths:
         out.print(str(path))
 
 
@@ -192,15 +197,20 @@ def bench(
     history: Annotated[
         Path | None, typer.Option(help="append the result to this file, one line of JSON")
     ] = None,
+    rivals: Annotated[
+        bool, typer.Option("--rivals", help="against Mitsuba 3, alone and denoised; takes minutes")
+    ] = False,
     set_: SetOption = None,
+    size: SizeOption = None,
 ) -> None:
-    """Time precompute and frames, as ratios to this machine's bandwidth and a reference render."""
-    with _chart_packages():
+    """Time precompute and frames, as ratios to this machine's bandwidth and to other renderers."""
+    with _optional("chart"):
         from engine.measure.bench import SCENES
         from engine.measure.bench import bench as run_bench
         from engine.measure.report import bench_tables
-    with progress_bars() as progress:
-        document = run_bench(scenes or SCENES, progress, parse_assignments(set_ or ()))
+    opened = [_open(scene, size) for scene in scenes or SCENES]
+    with progress_bars() as progress, _optional("peers"):
+        document = run_bench(opened, progress, parse_assignments(set_ or ()), against_rivals=rivals)
     if history is not None:
         history.parent.mkdir(parents=True, exist_ok=True)
         with history.open("a") as file:
@@ -285,12 +295,12 @@ def _read_edits(path: Path | None) -> Edits:
 
 
 @contextlib.contextmanager
-def _chart_packages() -> Iterator[None]:
+def _optional(extra: str) -> Iterator[None]:
     try:
         yield
     except ModuleNotFoundError as error:
         raise RelightError(
-            f"charts and benchmarks need {error.name}; please run: pip install 'relight[chart]'"
+            f"this needs {error.name}; please run: pip install 'relight[{extra}]'"
         ) from None
 
 

@@ -48,7 +48,8 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "flip_evaluator": ("engine/measure/",),
     "typer": ("engine/cli.py",),
     "rich": ("engine/cli.py", "engine/terminal.py", "engine/measure/report.py"),
-    "mitsuba": (),
+    "mitsuba": ("engine/measure/",),
+    "mitsuba_oidn": ("engine/measure/",),
     "playwright": (),
 }
 

@@ -20,11 +20,15 @@ from engine.light.base import Light
 from engine.light.environment import Environment
 from engine.methods.base import Frame, require_supported
 from engine.methods.direct_to_indirect.bounces import Bounces
+from engine.methods.direct_to_indirect.coverage import uncovered
 from engine.methods.direct_to_indirect.environment import EnvironmentLight, EnvironmentRows
 from engine.methods.direct_to_indirect.gl_transfer import GlTransfer, Parts, Standing
+from engine.methods.direct_to_indirect.gloss_limits import Caustics, blurred_mirrors
+from engine.methods.direct_to_indirect.light_balance import LightBalance
 from engine.methods.direct_to_indirect.settings import Settings
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.direct import light_on_points
+from engine.methods.fixed_view.nearest import build_grid
 from engine.methods.fixed_view.rows import PackedRows
 from engine.methods.fixed_view.tiles import coarse_tiles, pixel_tiles
 from engine.methods.fixed_view.view import Reflectance, View
@@ -65,8 +69,16 @@ class Transfer:
         self._reflects = len(gloss.ids) + len(environment.gloss.ids) > 0
         self._environment = EnvironmentLight(cloud, environment, self._tiles)
         self._bounces = Bounces(view.scene, cloud, bounce, settings.bounces, settings.seed)
+        points = cloud.points
+        nearby = build_grid(points.position, points.geometric, cloud.area)
+        self._balance = LightBalance(view.scene, cloud, nearby)
         # Indirect light meets whole pixels where they have no sub-samples.
         self._glossy = glossy_pixels(view)
+        self._caustics = Caustics(view.scene, cloud)
+        self._of_view = (
+            blurred_mirrors(view, cloud, self._glossy),
+            uncovered(view, cloud, nearby),
+        )
         whole = _as_gathered(view.reflectance, self._glossy)
         self._sub = _as_gathered(view.sub_reflectance, self._glossy[view.buffer.donor])
         grid = np.arange(len(whole.matt)).reshape(camera.height, camera.width)
@@ -104,7 +116,10 @@ class Transfer:
             notices = (self._gl_failed,)
         image, missing, timings = drawn or self._on_cpu(lights, environment, scale)
         height, width = self.view.shape(scale)
-        warnings = (*notices, *self._warnings(missing, environment))
+        start = time.perf_counter()
+        warnings = (*notices, *self._warnings(lights, environment, missing))
+        timings["diagnosis"] = time.perf_counter() - start
+        timings["total"] += timings["diagnosis"]
         return Frame(image.reshape(height, width, 3), timings, warnings)
 
     def _on_gl(
@@ -141,17 +156,11 @@ class Transfer:
         self, lights: tuple[Light, ...], environment: Environment | None, scale: int
     ) -> Drawn:
         clock = _Clock()
-        view, cloud = self.view, self.cloud
+        view = self.view
 
         # Direct light on gather samples: g.
         with clock("gather_direct"):
-            g = view.pictures.total(
-                "gather",
-                lights,
-                lambda light: light_on_points(view.scene.rays, cloud.points, light),
-                len(cloud),
-            )
-            g += cloud.emission
+            g = self._on_cloud(lights)
         if environment is not None:
             with clock("environment"):
                 self._environment.use(environment)
@@ -185,6 +194,18 @@ class Transfer:
             self._reflects, self._tiles, self._reflectance, self._sub,
         )  # fmt: skip
 
+    def _on_cloud(self, lights: tuple[Light, ...]) -> NDArray[np.float32]:
+        """Radiance (n_g, 3) that lights make the gather samples reflect, and what they emit."""
+        lit = self.view.pictures.total("gather", lights, self._light_on_cloud, len(self.cloud))
+        lit += self.cloud.emission
+        return lit
+
+    def _caught(self, light: Light) -> NDArray[np.float32]:
+        return self.view.pictures.total("gather", (light,), self._light_on_cloud, len(self.cloud))
+
+    def _light_on_cloud(self, light: Light) -> NDArray[np.float32]:
+        return light_on_points(self.view.scene.rays, self.cloud.points, light)
+
     def indirect(self, edits: Edits) -> NDArray[np.float32]:
         """The indirect part of the full picture alone, (height, width, 3): for tests and charts."""
         frame = self.relight(edits)
@@ -216,8 +237,15 @@ class Transfer:
             at_edges = (buffer.edge, buffer.donor, arriving, mirrored, *self._sub, image)
             for_ranges(_add_at_edges, len(buffer.edge), *at_edges)
 
-    def _warnings(self, missing: float, environment: Environment | None) -> tuple[Diagnosis, ...]:
-        found = []
+    def _warnings(
+        self, lights: tuple[Light, ...], environment: Environment | None, missing: float
+    ) -> tuple[Diagnosis, ...]:
+        first = self._on_cloud(lights)
+        if environment is not None:
+            first += self._environment.gather
+        balance = self._balance(lights, self._caught)
+        said = (*self._of_view, self._caustics(first), balance)
+        found = [warning for warning in said if warning is not None]
         if environment is not None:
             found += self._environment.warnings(self._settings.view_rays)
         if missing > NEGLIGIBLE:
