@@ -29,6 +29,7 @@ ORDER: list[set[str]] = [
     {"engine.reference", "engine.methods"},
     {"engine.measure"},
     {"engine.terminal"},
+    {"engine.arguments"},
     {"engine.cli", "server"},
 ]
 

@@ -4,10 +4,13 @@ With e the radiances of the environment samples and E the rows of rays that leav
 
     g  = direct + albedo / π · E_bounce e        light of the environment on gather samples
     v += k_d * (E_d e) + k_g * (E_g e)           on view samples, direct (§6 of Hašan et al. 2006)
+
+Suns in a map are too small for that: they shine as lights do (`engine.light.lamps`).
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +19,9 @@ from numpy.typing import NDArray
 from engine.backend.cpu.product import multiply
 from engine.diagnosis import Diagnosis
 from engine.light.environment import Environment, is_same
-from engine.light.environment_samples import environment_samples
+from engine.light.environment_samples import averaged, environment_samples
+from engine.light.lamps import Lamp, split, suns
+from engine.light.sun import SunLight
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.rows import PackedRows
 from engine.methods.fixed_view.tiles import run_tiles
@@ -29,6 +34,8 @@ TINY = 1000  # a lamp in a map fills so small a part of the sphere, or less
 # the six maps with lamps that we have, under an open sky.
 LAMPS_OFF = 7.0
 SHARP = 0.05  # error of the rows from which on the user is told
+
+NONE = np.zeros((0, 3), np.float32)
 
 
 class EnvironmentRows(NamedTuple):
@@ -47,10 +54,13 @@ class EnvironmentLight:
     ) -> None:
         """Tiles of final and gloss rows by scale."""
         self._rows, self._tiles = rows, tiles
+        self._sees_out = any(len(part.ids) for part in rows)
         self._runs = run_tiles(len(cloud))
         self._reflected = cloud.albedo / np.float32(np.pi)
         self._environment: Environment | None = None
-        self._samples = np.zeros((0, 3), np.float32)
+        self._samples = NONE
+        self._map, self._rest, self._lamps = NONE, NONE, list[Lamp]()
+        self.suns: tuple[SunLight, ...] = ()
         self.sharpness = 0.0
         self._gather: Picture | None = None
         self._view: dict[int, tuple[Picture, Picture]] = {}
@@ -60,7 +70,12 @@ class EnvironmentLight:
         if is_same(self._environment, environment):
             return
         self._environment = environment
-        samples = environment_samples(environment)
+        # Only a map that was not seen before is searched for lamps.
+        if self._map is not environment.radiance:
+            self._map = environment.radiance
+            self._rest, self._lamps = split(averaged(environment.radiance))
+        self.suns = suns(environment, self._lamps) if self._sees_out else ()
+        samples = environment_samples(replace(environment, radiance=self._rest))
         self.sharpness = brightest_share(samples)
         self._samples = haar.forward(samples)
         self._gather, self._view = None, {}
@@ -86,7 +101,7 @@ class EnvironmentLight:
     def warnings(self, rays: int) -> list[Diagnosis]:
         """What rows of so many rays cannot hold of the environment in use."""
         size = self.sharpness * LAMPS_OFF / float(np.sqrt(rays))
-        if size < SHARP or not any(len(rows.ids) for rows in self._rows):
+        if size < SHARP or not self._sees_out:
             return []
         return [
             Diagnosis(

@@ -52,12 +52,14 @@ class Standing(NamedTuple):
     backdrop            (h w, 3)  emission and background of the whole picture
     gather              (n_g, 3)  what gather samples reflect of the environment
     arriving, mirrored  (n, 3)    what arrives from it at matt and glossy parts of view samples
+    suns                          of its map, which the camera sees in the backdrop
     """
 
     backdrop: NDArray[np.float32]
     gather: NDArray[np.float32] | None = None
     arriving: NDArray[np.float32] | None = None
     mirrored: NDArray[np.float32] | None = None
+    suns: tuple[Light, ...] = ()
 
 
 class Albedos(NamedTuple):
@@ -121,7 +123,7 @@ class GlTransfer:
         with clock("gather_direct"):
             self._copy(self._emission, self._g)
             self._add("gather", standing.gather, self._g)
-            self._view.on_points(self._points, lights, self._g)
+            self._view.on_points(self._points, lights + standing.suns, self._g)
         with clock("bounces"):
             self._bounce_all(n)
         with clock("final_gather"):
@@ -132,7 +134,8 @@ class GlTransfer:
                 self._gloss.multiply(self._total, places, self._mirrored)
                 self._add(f"mirrored {scale}", standing.mirrored, self._mirrored)
         with clock("view_direct"):
-            self._view.direct(lights, standing.backdrop, scale, self._image)
+            args = (standing.backdrop, scale, self._image, standing.suns)
+            self._view.direct(lights, *args)
         with clock("compose"):
             self._compose(scale, n)
         with clock("read_back"):

@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from engine.backend.choice import Backend, chosen_device, instead_of_gl
@@ -25,6 +24,12 @@ from engine.methods.direct_to_indirect.environment import EnvironmentLight, Envi
 from engine.methods.direct_to_indirect.gl_transfer import GlTransfer, Parts, Standing
 from engine.methods.direct_to_indirect.gloss_limits import Caustics, blurred_mirrors
 from engine.methods.direct_to_indirect.light_balance import LightBalance
+from engine.methods.direct_to_indirect.reflected import (
+    add_at_edges,
+    add_indirect,
+    as_gathered,
+    glossy_pixels,
+)
 from engine.methods.direct_to_indirect.settings import Settings
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.direct import light_on_points
@@ -33,11 +38,9 @@ from engine.methods.fixed_view.rows import PackedRows
 from engine.methods.fixed_view.tiles import coarse_tiles, pixel_tiles
 from engine.methods.fixed_view.view import Reflectance, View
 from engine.numerics import haar
-from engine.numerics.parallel import for_ranges
 from engine.scene.edits import Edits, edited_environment, edited_lights
 
 NAME = "direct_to_indirect"
-FAINT = 0.02  # a gloss that reflects less than this counts as matt
 NEGLIGIBLE = 0.02  # of the indirect light: what the bounces may miss before the user is told
 
 Drawn = tuple[NDArray[np.float32], float, dict[str, float]]
@@ -79,8 +82,8 @@ class Transfer:
             blurred_mirrors(view, cloud, self._glossy),
             uncovered(view, cloud, nearby),
         )
-        whole = _as_gathered(view.reflectance, self._glossy)
-        self._sub = _as_gathered(view.sub_reflectance, self._glossy[view.buffer.donor])
+        whole = as_gathered(view.reflectance, self._glossy)
+        self._sub = as_gathered(view.sub_reflectance, self._glossy[view.buffer.donor])
         grid = np.arange(len(whole.matt)).reshape(camera.height, camera.width)
         coarse = grid[::2, ::2].ravel()
         self._reflectance = {2: Reflectance(*(part[coarse] for part in whole)), 1: whole}
@@ -150,20 +153,27 @@ class Transfer:
             return Standing(backdrop)
         self._environment.use(environment)
         n = len(self.view.points(scale))
-        return Standing(backdrop, self._environment.gather, *self._environment.view(scale, n))
+        arriving, mirrored = self._environment.view(scale, n)
+        return Standing(
+            backdrop, self._environment.gather, arriving, mirrored, self._environment.suns
+        )
 
     def _on_cpu(
         self, lights: tuple[Light, ...], environment: Environment | None, scale: int
     ) -> Drawn:
         clock = _Clock()
         view = self.view
-
-        # Direct light on gather samples: g.
-        with clock("gather_direct"):
-            g = self._on_cloud(lights)
+        suns: tuple[Light, ...] = ()
         if environment is not None:
             with clock("environment"):
                 self._environment.use(environment)
+                suns = self._environment.suns
+
+        # Direct light on gather samples: g.
+        with clock("gather_direct"):
+            g = self._on_cloud(lights + suns)
+        if environment is not None:
+            with clock("environment_gather"):
                 g += self._environment.gather
 
         # Bounces within the cloud: (I + P + ... + P^b) g, from here on in wavelet space.
@@ -183,7 +193,7 @@ class Transfer:
                 if self._reflects:
                     mirrored += gloss
         with clock("view_direct"):
-            image = view.direct(lights, scale, environment)
+            image = view.direct(lights, scale, environment, suns)
         with clock("compose"):
             self._compose(arriving, mirrored, image, scale)
         return image, missing, clock.timings()
@@ -210,7 +220,8 @@ class Transfer:
         """The indirect part of the full picture alone, (height, width, 3): for tests and charts."""
         frame = self.relight(edits)
         lights, environment = self._edited(edits)
-        direct = self.view.direct(lights, 1, environment)
+        suns = self._environment.suns if environment is not None else ()
+        direct = self.view.direct(lights, 1, environment, suns)
         if environment is not None:
             self._compose(*self._environment.view(1, len(direct)), direct, 1)
         return frame.image - direct.reshape(frame.image.shape)
@@ -230,17 +241,15 @@ class Transfer:
         scale: int,
     ) -> None:
         """Add the indirect light to the direct, in place."""
-        buffer = self.view.buffer
-        args = (arriving, mirrored, *self._reflectance[scale], image)
-        for_ranges(_add_indirect, len(image), *args)
+        add_indirect(arriving, mirrored, self._reflectance[scale], image)
         if scale == 1:
-            at_edges = (buffer.edge, buffer.donor, arriving, mirrored, *self._sub, image)
-            for_ranges(_add_at_edges, len(buffer.edge), *at_edges)
+            add_at_edges(self.view.buffer, arriving, mirrored, self._sub, image)
 
     def _warnings(
         self, lights: tuple[Light, ...], environment: Environment | None, missing: float
     ) -> tuple[Diagnosis, ...]:
-        first = self._on_cloud(lights)
+        suns = self._environment.suns if environment is not None else ()
+        first = self._on_cloud(lights + suns)
         if environment is not None:
             first += self._environment.gather
         balance = self._balance(lights, self._caught)
@@ -268,43 +277,6 @@ class Transfer:
                 )
             )
         return tuple(found)
-
-
-def glossy_pixels(view: View) -> NDArray[np.bool_]:
-    """(n,) bool: pixels whose gloss gets rows of its own."""
-    return view.reflectance.gloss.max(axis=1) > FAINT
-
-
-def _as_gathered(reflectance: Reflectance, glossy: NDArray[np.bool_]) -> Reflectance:
-    """The gloss of pixels that have no rows for it counted as matt."""
-    matt, gloss = reflectance
-    return Reflectance(
-        np.where(glossy[:, None], matt, matt + gloss), np.where(glossy[:, None], gloss, 0)
-    )
-
-
-@njit(cache=True, nogil=True)
-def _add_indirect(start, stop, arriving, mirrored, matt, gloss, image):
-    for i in range(start, stop):
-        for c in range(3):
-            image[i, c] += _reflected(arriving[i, c], mirrored[i, c], matt[i, c], gloss[i, c])
-
-
-@njit(cache=True, nogil=True)
-def _add_at_edges(start, stop, edge, donor, arriving, mirrored, matt, gloss, image):
-    for e in range(start, stop):
-        for s in range(4 * e, 4 * e + 4):
-            i = donor[s]
-            for c in range(3):
-                image[edge[e], c] += 0.25 * _reflected(
-                    arriving[i, c], mirrored[i, c], matt[s, c], gloss[s, c]
-                )
-
-
-@njit
-def _reflected(arriving, mirrored, matt, gloss):
-    # Culled wavelets can leave a little less than no light.
-    return (matt * max(arriving, 0.0) + gloss * max(mirrored, 0.0)) * 0.3183098861837907
 
 
 class _Clock:

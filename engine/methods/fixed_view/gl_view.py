@@ -87,7 +87,12 @@ class GlView:
             add(self._device, total, picture.buffer, points.count)
 
     def direct(
-        self, lights: tuple[Light, ...], backdrop: NDArray[np.float32], scale: int, total: Any
+        self,
+        lights: tuple[Light, ...],
+        backdrop: NDArray[np.float32],
+        scale: int,
+        total: Any,
+        unseen: tuple[Light, ...] = (),
     ) -> None:
         """Fill a picture with the direct light on the view samples; see `View.direct`.
 
@@ -97,7 +102,7 @@ class GlView:
         behind = self._backdrop.of(str(scale), backdrop, lambda a: self._view.every(a, scale))
         self._device.context.copy_buffer(total, behind, 12 * n)
         light_it = self._on_buffer if scale == 1 else self._on_coarse
-        for picture in self._pictures.each(scale, lights, light_it):
+        for picture in self._pictures.each(scale, lights + unseen, light_it):
             add(self._device, total, picture.buffer, n)
         for light in lights:
             if light.enabled and light.has_extent:

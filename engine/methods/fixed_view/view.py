@@ -86,22 +86,27 @@ class View:
         return self.buffer.centre if scale == 1 else self._coarse
 
     def direct(
-        self, on: tuple[Light, ...], scale: int, environment: Environment | None = None
+        self,
+        on: tuple[Light, ...],
+        scale: int,
+        environment: Environment | None = None,
+        unseen: tuple[Light, ...] = (),
     ) -> NDArray[np.float32]:
         """Direct radiance (n, 3) float32: lights, emission, background; None is a black one.
 
-        At scale 1 it is antialiased, at scale 2 it has one sample per pixel. What surfaces reflect
-        of the environment is not in it.
+        At scale 1 it is antialiased, at scale 2 it has one sample per pixel. Lights that are
+        `unseen` shine, but not into the camera. What surfaces reflect of the environment is not in
+        it.
         """
-        rays, points = self.scene.rays, self.points(scale)
+        rays, points, shining = self.scene.rays, self.points(scale), on + unseen
         if scale == 1:
             out = self.pictures.total(
-                1, on, lambda light: light_on_buffer(rays, self.buffer, light), len(points)
+                1, shining, lambda light: light_on_buffer(rays, self.buffer, light), len(points)
             )
         else:
             args = (rays, points, self.coarse_alike, self.shape(scale)[1])
             out = self.pictures.total(
-                2, on, lambda light: light_on_pixels(*args, light), len(points)
+                2, shining, lambda light: light_on_pixels(*args, light), len(points)
             )
         out += self.every(self.backdrop.picture(environment), scale)
         for light in on:

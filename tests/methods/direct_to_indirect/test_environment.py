@@ -20,11 +20,11 @@ from engine.methods.direct_to_indirect import Settings, Transfer
 from engine.methods.direct_to_indirect.precompute import key
 from engine.methods.fixed_view.preview import DirectPreview
 from engine.reference import render
-from engine.scene.edits import Edits, apply
+from engine.scene.edits import Edits, apply, edited_camera
+from engine.scene.open import open_scene
 from engine.scene.scene import Scene
 from engine.store import Store
 
-DATA = Path(__file__).resolve().parents[4] / "shared" / "data"
 Make = Callable[..., Transfer]
 CLEAR_SKY = {"sun_direction": [1, -1, 0.3], "turbidity": 2.5}
 
@@ -273,14 +273,49 @@ def test_without_an_environment_no_row_is_read(make: Make) -> None:
     assert product.relight(Edits()).image.tobytes() == bare.image.tobytes()
 
 
-def test_a_sun_in_a_map_is_said(make: Make, tmp_path: Path) -> None:
-    """Maps without one, and the same sun where nobody sees the sky, are not."""
+def lamps(count: int) -> NDArray[np.float32]:
+    """A dim map with small bright lamps in a row."""
     image = np.full((128, 256, 3), 0.1, np.float32)
-    image[30:32, 60:62] = 2000
-    write_image(tmp_path / "sun.exr", image)
+    for k in range(count):
+        image[30:32, 20 + 20 * k : 22 + 20 * k] = 2000 / count
+    return image
+
+
+def test_a_sun_in_a_map_casts_a_shadow(make: Make, tmp_path: Path) -> None:
+    """Of a block on a floor, as sharp as the reference's, and turns with the map."""
+    write_image(tmp_path / "sun.exr", lamps(1))
+    yard = scene(
+        camera=camera(32, position=[0, 3, 3], target=[0, 0.2, 0], fov_y_degrees=45),
+        materials={"stone": {"type": "diffuse", "diffuse": [0.6] * 3}},
+        objects=[
+            {**rectangle("floor", [9, 9], [0, 0, 0], [-90, 0, 0]), "material": "stone"},
+            {
+                "name": "block",
+                "mesh": {"shape": "box", "size": [0.5, 1, 0.5]},
+                "material": "stone",
+                "transform": {"translate": [0, 0.5, 0]},
+            },
+        ],
+    )
+    yard = replace(yard, folder=str(tmp_path))
+    product = make(yard)
+    for turn in (0, 100):
+        edit = sky(map="sun.exr", rotation_degrees=turn)
+        frame = product.relight(edit)
+        truth = render(apply(yard, edit), samples=256)
+        error, noise = off_by(frame.image, truth, surfaces(product))
+        assert noise < 0.1
+        assert error < 0.05, f"{error:.3f} off, noise {noise:.3f}, turned by {turn}"
+        assert not [w for w in frame.warnings if w.code == "environment_too_sharp"]
+
+
+def test_lamps_in_a_map_that_are_too_many_are_said(make: Make, tmp_path: Path) -> None:
+    """Maps without any, and the same where nobody sees the sky, are not."""
+    write_image(tmp_path / "lamps.exr", lamps(8))
     for room, told in ((floor(), True), (white_room(0.5, [POINT]), False)):
-        product = make(replace(room, folder=str(tmp_path)))
-        frame = product.relight(sky(map="sun.exr"))
+        room = replace(room, folder=str(tmp_path))
+        product = make(room)
+        frame = product.relight(sky(map="lamps.exr"))
         found = [w for w in frame.warnings if w.code == "environment_too_sharp"]
         assert bool(found) == told
         for fields in ({"map": "studio"}, {"map": CLEAR_SKY}, {"map": [0, 0, 0]}):
@@ -288,12 +323,27 @@ def test_a_sun_in_a_map_is_said(make: Make, tmp_path: Path) -> None:
             assert "environment_too_sharp" not in codes
         if told:
             assert "type sun" in found[0].message
-            # The sun is missed by most pixels' rays: so wrong is the picture indeed.
-            truth = render(
-                apply(replace(room, folder=str(tmp_path)), sky(map="sun.exr")), samples=64
-            )
-            wrong = off_by(frame.image, truth, surfaces(product))[0]
+            true = render(apply(room, sky(map="lamps.exr")), samples=64)
+            wrong = off_by(frame.image, true, surfaces(product))[0]
             assert wrong / 2 < found[0].size < 2 * wrong
+
+
+def test_the_living_room_is_lit_through_its_windows(make: Make, shared_data: Path) -> None:
+    """What comes straight from a real map into a real room, on the whole; its lamps are off."""
+    room = open_scene(shared_data / "scenes" / "living_room" / "living_room.obj")
+    size = {"width": 48, "height": 36}
+    room = room.with_camera(edited_camera(room.camera, size)).with_lights(())
+    room = apply(room, Edits(materials={n: {"emission": [0, 0, 0]} for n in room.material_names}))
+    edit = sky(map=str(shared_data / "envmaps" / "venice.exr"), rotation_degrees=40)
+    product = make(room, gather_samples=4096)
+    truth = render(apply(room, edit), samples=512)
+    lit = surfaces(product)
+    direct = product.relight(edit).image - product.indirect(edit)
+    assert direct[lit].mean() == pytest.approx(truth.direct[lit].mean(), rel=0.04)
+    # The reference's own noise is a third of each pixel, so they are compared in groups.
+    ours, true = (np.where(lit[..., None], a, 0)[:36, :48] for a in (direct, truth.direct))
+    ours, true = (a.reshape(6, 6, 6, 8, 3).sum(axis=(1, 3)) for a in (ours, true))
+    assert np.linalg.norm(ours - true) < 0.1 * np.linalg.norm(true)
 
 
 def test_the_transport_does_not_depend_on_the_environment() -> None:
