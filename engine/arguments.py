@@ -20,7 +20,7 @@ from engine.terminal import warn
 
 
 def sized_scene(source: str, size: str | None) -> Scene:
-    """The scene of a name or file, with WxH pixels in place of its own; its warnings are printed."""
+    """The scene of a name or file, with WxH pixels in place of its own; warnings are printed."""
     scene = open_scene(source)
     warn(scene.diagnoses)
     if size is None:
