@@ -6,29 +6,31 @@ line and status 2 where the input is to blame, 1 where it is not; there are no t
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import json
-import re
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from pydantic import ValidationError
 
+from engine.arguments import (
+    knobs,
+    known_method,
+    needs_extra,
+    read_edits,
+    settings_of,
+    sized_scene,
+)
 from engine.backend.choice import wanted
 from engine.errors import InputError, NotFound, RelightError
 from engine.images import format_of, write_image
-from engine.measure.settings import parse_assignments, parse_value, settings_from
+from engine.measure.settings import parse_assignments
 from engine.methods import METHODS, prepare
 from engine.methods.base import require_supported
 from engine.reference import render as render_reference
-from engine.scene.edits import Edits, apply, edited_camera, problems
-from engine.scene.open import open_scene
+from engine.scene.edits import apply
 from engine.scene.open import scenes as builtin_scenes
-from engine.scene.scene import Scene
 from engine.terminal import complain, out, progress_bars, warn
 
 app = typer.Typer(
@@ -69,8 +71,8 @@ def precompute(
     size: SizeOption = None,
 ) -> None:
     """Precompute a scene into the store; what is there already is kept."""
-    opened = _open(scene, size)
-    settings = _settings(method, set_)
+    opened = sized_scene(scene, size)
+    settings = settings_of(method, set_)
     with progress_bars() as progress:
         product = prepare(opened, method, settings, progress=progress)
     out.print(f"{method} of {opened.name}: {product.bytes / 1e6:.1f} MB")
@@ -109,8 +111,8 @@ def render(
     # Find what is wrong before the work, not after it.
     format_of(to)
     drawing = wanted(backend)
-    opened = _open(scene, size)
-    change = _read_edits(edits)
+    opened = sized_scene(scene, size)
+    change = read_edits(edits)
     edited = apply(opened, change)
     if method == "reference":
         if set_:
@@ -131,7 +133,7 @@ def render(
         raise InputError("--error and --samples are for --method reference; see --set")
     # Another camera is another precompute, not an edit that a product could take.
     opened, change = opened.with_camera(edited.camera), change.model_copy(update={"camera": None})
-    settings = _settings(method, set_)
+    settings = settings_of(method, set_)
     require_supported(method, change)
     with progress_bars() as progress:
         product = prepare(opened, method, settings, progress=progress)
@@ -154,32 +156,37 @@ def chart(
     ] = None,
     edits: Annotated[int, typer.Option(min=1, help="how many unseen light edits to judge on")] = 4,
     seed: Annotated[int, typer.Option(min=0, help="draws the light edits")] = 1,
+    growth: Annotated[
+        bool, typer.Option("--growth", help="how cost grows with scene and settings instead")
+    ] = False,
     reference_error: Annotated[
         float, typer.Option(min=1e-4, max=1, help="relative L2 error of the references")
     ] = 0.05,
     set_: SetOption = None,
     size: SizeOption = None,
 ) -> None:
-    """Chart a method's speed against its accuracy over its settings."""
-    with _chart_packages():
+    """Chart a method's speed against its accuracy over its settings, or how its cost grows."""
+    with needs_extra("chart"):
+        from engine.measure import growth_chart
         from engine.measure.chart import write_chart
         from engine.measure.document import sweep_document
+        from engine.measure.growth import growth as run_growth
         from engine.measure.machine import this_machine
         from engine.measure.sweep import sweep as run_sweep
-    opened = _open(scene, size)
-    methods = [_known(name) for name in method or [DEFAULT_METHOD]]
+    opened = sized_scene(scene, size)
+    methods = [known_method(name) for name in method or [DEFAULT_METHOD]]
+    judged: dict[str, Any] = {"edits": edits, "seed": seed, "reference_error": reference_error}
+    fixed, values = parse_assignments(set_ or ()), knobs(sweep)
     with progress_bars() as progress:
-        result = run_sweep(
-            opened,
-            methods,
-            fixed=parse_assignments(set_ or ()),
-            knobs=_knobs(sweep),
-            edits=edits,
-            seed=seed,
-            reference_error=reference_error,
-            progress=progress,
-        )
-    for path in write_chart(sweep_document(result, this_machine()), to):
+        if growth:
+            grown = run_growth(opened, fixed=fixed, axes=values, progress=progress, **judged)
+            paths = growth_chart.write(opened, grown, this_machine(), to)
+        else:
+            result = run_sweep(
+                opened, methods, fixed=fixed, knobs=values, progress=progress, **judged
+            )
+            paths = write_chart(sweep_document(result, this_machine()), to)
+    for path in paths:
         out.print(str(path))
 
 
@@ -192,15 +199,20 @@ def bench(
     history: Annotated[
         Path | None, typer.Option(help="append the result to this file, one line of JSON")
     ] = None,
+    rivals: Annotated[
+        bool, typer.Option("--rivals", help="against Mitsuba 3, alone and denoised; takes minutes")
+    ] = False,
     set_: SetOption = None,
+    size: SizeOption = None,
 ) -> None:
-    """Time precompute and frames, as ratios to this machine's bandwidth and a reference render."""
-    with _chart_packages():
+    """Time precompute and frames, as ratios to this machine's bandwidth and to other renderers."""
+    with needs_extra("chart"):
         from engine.measure.bench import SCENES
         from engine.measure.bench import bench as run_bench
         from engine.measure.report import bench_tables
-    with progress_bars() as progress:
-        document = run_bench(scenes or SCENES, progress, parse_assignments(set_ or ()))
+    opened = [sized_scene(scene, size) for scene in scenes or SCENES]
+    with progress_bars() as progress, needs_extra("peers"):
+        document = run_bench(opened, progress, parse_assignments(set_ or ()), against_rivals=rivals)
     if history is not None:
         history.parent.mkdir(parents=True, exist_ok=True)
         with history.open("a") as file:
@@ -240,58 +252,6 @@ def main() -> None:
     except RelightError as error:
         complain("bold red", "relight", str(error))
         sys.exit(2 if isinstance(error, InputError | NotFound) else 1)
-
-
-def _open(source: str, size: str | None) -> Scene:
-    scene = open_scene(source)
-    warn(scene.diagnoses)
-    if size is None:
-        return scene
-    numbers = re.fullmatch(r"(\d+)x(\d+)", size)
-    if numbers is None:
-        raise InputError(f"{size!r} is not of the form 640x480", field="size")
-    width, height = map(int, numbers.groups())
-    return scene.with_camera(edited_camera(scene.camera, {"width": width, "height": height}))
-
-
-def _known(method: str) -> str:
-    if method not in METHODS:
-        raise NotFound(f"there is no method {method!r}; there are {', '.join(METHODS)}")
-    return method
-
-
-def _settings(method: str, assignments: list[str] | None) -> Any:
-    return settings_from(METHODS[_known(method)].settings, parse_assignments(assignments or ()))
-
-
-def _knobs(sweep: list[str] | None) -> dict[str, list[Any]] | None:
-    """{"coefficients": [25, 100]} from `coefficients=25,100`."""
-    if sweep is None:
-        return None
-    texts = parse_assignments(sweep, parse=str)
-    return {name: [parse_value(part) for part in text.split(",")] for name, text in texts.items()}
-
-
-def _read_edits(path: Path | None) -> Edits:
-    if path is None:
-        return Edits()
-    try:
-        return Edits.model_validate_json(path.read_bytes())
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=str(path)) from None
-    except ValidationError as error:
-        problem = problems(error, "")
-        raise InputError(problem.message, field=problem.field.strip("."), file=str(path)) from None
-
-
-@contextlib.contextmanager
-def _chart_packages() -> Iterator[None]:
-    try:
-        yield
-    except ModuleNotFoundError as error:
-        raise RelightError(
-            f"charts and benchmarks need {error.name}; please run: pip install 'relight[chart]'"
-        ) from None
 
 
 if __name__ == "__main__":

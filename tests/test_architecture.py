@@ -29,6 +29,7 @@ ORDER: list[set[str]] = [
     {"engine.reference", "engine.methods"},
     {"engine.measure"},
     {"engine.terminal"},
+    {"engine.arguments"},
     {"engine.cli", "server"},
 ]
 
@@ -48,7 +49,8 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "flip_evaluator": ("engine/measure/",),
     "typer": ("engine/cli.py",),
     "rich": ("engine/cli.py", "engine/terminal.py", "engine/measure/report.py"),
-    "mitsuba": (),
+    "mitsuba": ("engine/measure/",),
+    "mitsuba_oidn": ("engine/measure/",),
     "playwright": (),
 }
 

@@ -10,46 +10,77 @@ from typing import Any
 
 import numpy as np
 
+from engine.backend.cpu.product import multiply
 from engine.measure.document import finite, provenance
 from engine.measure.machine import this_machine
 from engine.measure.probes import held_out_edits
 from engine.measure.settings import settings_from
 from engine.measure.sweep import STEP, time_frames
-from engine.measure.timing import PhaseClock, stopwatch
+from engine.measure.timing import PhaseClock, repeat, stopwatch
 from engine.methods import METHODS, prepare
 from engine.methods.base import Progress, silent
+from engine.methods.direct_to_indirect import Transfer
+from engine.methods.fixed_view.tiles import pixel_tiles, run_tiles
 from engine.reference import render
 from engine.scene.edits import Edits, apply
-from engine.scene.open import open_scene
 from engine.scene.scene import Scene
 from engine.store import Store
 
 SCENES = ("cornell-box", "room")
 METHOD = "direct_to_indirect"
 EDITS, REPEATS = 6, 5
+RIVAL_EDITS = 3  # one of each kind
+PRODUCTS = 15
 REFERENCE_SAMPLES, REFERENCE_ERROR = 16, 0.02
 
 
 def bench(
-    sources: Sequence[str] = SCENES,
+    scenes: Sequence[Scene],
     progress: Progress = silent,
     changes: Mapping[str, Any] | None = None,
+    *,
+    against_rivals: bool = False,
 ) -> dict[str, Any]:
     """Precompute and frame times of every scene at the method's defaults, as JSON.
 
-    `changes` replaces some of the defaults.
+    `changes` replaces some of the defaults. `against_rivals` adds what `engine.measure.rivals`
+    finds, which needs the packages of the extra `peers`.
 
     Transport is made from nothing, in a store that is thrown away.
     """
+    if against_rivals:
+        import engine.measure.rivals  # noqa: F401  # what is missing is said before the work
     machine = this_machine()
     bandwidth = machine.memory_read_gb_s * 1e9
     settings = settings_from(METHODS[METHOD].settings, changes or {})
-    scenes = [_bench_scene(open_scene(source), settings, bandwidth, progress) for source in sources]
-    return finite({**provenance(), "machine": machine.as_dict(), "scenes": scenes})
+    found = [_bench_scene(s, settings, bandwidth, progress, against_rivals) for s in scenes]
+    return finite({**provenance(), "machine": machine.as_dict(), "scenes": found})
+
+
+def product_rate(product: Transfer) -> float:
+    """Bytes of the matrices that their products with a light read per second.
+
+    The time of each is the median of its products alone, with nothing else of a frame in it.
+    """
+    camera = product.view.scene.camera
+    pixels, samples = camera.width * camera.height, len(product.cloud)
+    light = np.random.default_rng(1).normal(size=(samples, 3)).astype(np.float32)
+    tiles = pixel_tiles(camera.width, camera.height)
+    seconds, size = 0.0, 0
+    for rows, places, n in (
+        (product.bounce, run_tiles(samples), samples),
+        (product.final, tiles, pixels),
+        (product.gloss, tiles, pixels),
+    ):
+        if len(rows.ids):
+            timing = repeat(lambda: multiply(*rows, light, places, n), PRODUCTS)  # noqa: B023
+            seconds += timing.median
+            size += sum(array.nbytes for array in rows)
+    return size / seconds
 
 
 def _bench_scene(
-    scene: Scene, settings: Any, bandwidth: float, progress: Progress
+    scene: Scene, settings: Any, bandwidth: float, progress: Progress, against_rivals: bool
 ) -> dict[str, Any]:
     edits = held_out_edits(scene, EDITS, seed=1)
     with tempfile.TemporaryDirectory(prefix="relight-bench-") as folder:
@@ -63,6 +94,12 @@ def _bench_scene(
         precompute = stopwatch(make)
         clock.stop()
         _, timing, parts = time_frames(product, edits, REPEATS, STEP * scene.diagonal)
+        rate = product_rate(product)
+        against = {}
+        if against_rivals:
+            from engine.measure.rivals import rivals
+
+            against = {"rivals": rivals(scene, product, edits[:RIVAL_EDITS], progress)}
 
     # Brute force gets the same job, the first of the edits. Its error falls as 1/√samples, so a
     # few samples tell how long it would take to an error that can be looked at.
@@ -92,10 +129,12 @@ def _bench_scene(
             "seconds_to_2_percent": brute_force,
         },
         "ratios": {
-            "memory_bandwidth_used": product.bytes / timing.median / bandwidth,
+            "product_bandwidth": rate / bandwidth,
             "reference_over_frame": brute_force / timing.median,
             "precompute_over_reference": precompute / brute_force,
+            **(against["rivals"]["ratios"] if against else {}),
         },
+        **against,
     }
 
 

@@ -26,9 +26,13 @@ Point = dict[str, Any]
 
 def write_chart(document: dict[str, Any], folder: Path) -> list[Path]:
     """Write chart.svg, chart.png and chart.json into a folder; returns their paths."""
+    return write_figure(draw(document), document, folder, "chart")
+
+
+def write_figure(figure: Figure, document: dict[str, Any], folder: Path, name: str) -> list[Path]:
+    """Write a figure as SVG and PNG, and the numbers behind it as JSON; returns their paths."""
     folder.mkdir(parents=True, exist_ok=True)
-    figure = draw(document)
-    paths = [folder / f"chart.{kind}" for kind in ("svg", "png", "json")]
+    paths = [folder / f"{name}.{kind}" for kind in ("svg", "png", "json")]
     # A fixed salt and no date: the same numbers give the same file.
     with matplotlib.rc_context({"svg.hashsalt": "relight", "svg.fonttype": "none"}):
         figure.savefig(paths[0], metadata={"Date": None})
@@ -207,9 +211,16 @@ def _title(document: dict[str, Any]) -> str:
 
 
 def _caption(document: dict[str, Any]) -> str:
-    machine = document["machine"]
     return (
         f"mean of {len(document['edits'])} light edits unseen by the precompute (seed "
-        f"{document['seed']}); {machine['cpu']}, {machine['threads']} threads, "
-        f"{machine['memory_read_gb_s']:.1f} GB/s; {document['date'][:10]}, {document['commit']}"
+        f"{document['seed']}); {machine_caption(document)}"
+    )
+
+
+def machine_caption(document: dict[str, Any]) -> str:
+    """Where, when and with what a document was measured."""
+    machine = document["machine"]
+    return (
+        f"{machine['cpu']}, {machine['threads']} threads, {machine['memory_read_gb_s']:.1f} GB/s; "
+        f"{document['date'][:10]}, {document['commit']}"
     )

@@ -60,17 +60,19 @@ def sweep_document(sweep: Sweep, machine: Machine) -> dict[str, Any]:
             {"error": t.error, "floor": floor, "seconds": t.seconds, "samples": t.samples}
             for t, floor in zip(sweep.truths, sweep.floors, strict=True)
         ],
-        "points": [_point(point, k in front) for k, point in enumerate(sweep.points)],
+        "points": [
+            {**point_document(point), "pareto": k in front} for k, point in enumerate(sweep.points)
+        ],
     }
     return finite(document)
 
 
-def _point(point: Point, on_front: bool) -> dict[str, Any]:
+def point_document(point: Point) -> dict[str, Any]:
+    """A measured setting as JSON."""
     return {
         "method": point.method,
         "knob": point.knob,
         "settings": point.settings,
-        "pareto": on_front,
         "error": point.error,
         "errors": point.errors,
         "frame_seconds": {

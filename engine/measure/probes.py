@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from engine.errors import SceneError
 from engine.light.base import Light
+from engine.light.point import PointLight
 from engine.scene.edits import Edits
 from engine.scene.scene import Scene
 
@@ -47,6 +48,18 @@ def held_out_edits(scene: Scene, count: int, seed: int) -> list[Edits]:
     return edits
 
 
+def many_lights(scene: Scene, count: int, seed: int) -> tuple[PointLight, ...]:
+    """`count` white point lights in the open, in all as bright as one probe."""
+    rng = np.random.default_rng(seed)
+    intensity = _probe_intensity(scene) / count
+    return tuple(
+        PointLight(
+            id=f"light {k}", position=_seen_point(scene, rng, 0.0)[1], intensity=(intensity,) * 3
+        )
+        for k in range(count)
+    )
+
+
 def nudged(edits: Edits, step: float) -> Edits:
     """The same edits with every light that has a position moved by `step` metres along x."""
     lights = [dict(light) for light in edits.lights or []]
@@ -63,8 +76,12 @@ def _has_position(light: Light) -> bool:
 
 def _probe(scene: Scene, kind: str, position: Position) -> dict[str, Any]:
     """A white light that gives an irradiance of about 1 across the scene."""
-    intensity = (scene.diagonal / 2) ** 2
+    intensity = _probe_intensity(scene)
     return {"id": "probe", "type": kind, "position": position, "intensity": (intensity,) * 3}
+
+
+def _probe_intensity(scene: Scene) -> float:
+    return (scene.diagonal / 2) ** 2
 
 
 def _radius(light: Light | None) -> float:

@@ -50,10 +50,19 @@ def _rows(scenes: list[dict[str, Any]]) -> list[tuple[str, list[str]]]:
             for name in parts
             if name != "total"
         ),
-        row("memory bandwidth used", "ratios", "memory_bandwidth_used", unit="%", factor=100),
+        row("products / memory bandwidth", "ratios", "product_bandwidth", unit="%", factor=100),
         row("reference render to 2 % error", "reference", "seconds_to_2_percent", unit="s"),
         row("reference / frame", "ratios", "reference_over_frame", unit="x"),
         row("precompute / reference", "ratios", "precompute_over_reference", unit="x"),
+        *(
+            [
+                row("Mitsuba at our L² error / frame", "ratios", "mitsuba_over_ours", unit="x"),
+                row("  denoised, at our PSNR / frame", "ratios", "denoised_over_ours", unit="x"),
+                ("  its variant", [s["rivals"]["variant"] for s in scenes]),
+            ]
+            if "rivals" in scenes[0]
+            else []
+        ),
     ]
 
 

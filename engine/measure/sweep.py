@@ -95,12 +95,12 @@ def sweep(
     points = []
     for number, (method, knob, settings) in enumerate(todo):
         progress("settings", number, len(todo))
-        points.append(_point(scene, method, knob, settings, held_out, truths, kept, progress))
+        points.append(measure(scene, method, knob, settings, held_out, truths, kept, progress))
     progress("settings", len(todo), len(todo))
     return Sweep(scene, held_out, truths, floor, float(1.0 - kept.mean()), points, seed)
 
 
-def _point(
+def measure(
     scene: Scene,
     method: str,
     knob: str,
@@ -110,6 +110,10 @@ def _point(
     kept: np.ndarray,
     progress: Progress,
 ) -> Point:
+    """A fresh precompute: its time and size, and its frames of the edits against their truths.
+
+    kept (h, w) bool are the pixels that count.
+    """
     with tempfile.TemporaryDirectory(prefix="relight-sweep-") as folder:
         product: Product | None = None
 

@@ -38,14 +38,22 @@ class Truth:
 
 
 def truth(
-    scene: Scene, edits: Edits, error: float, store: Store, progress: Progress = silent
+    scene: Scene,
+    edits: Edits,
+    error: float,
+    store: Store,
+    progress: Progress = silent,
+    seed: int = 0,
 ) -> Truth:
-    """The picture of the scene under the edits to a relative L2 error, from the store if it can."""
+    """The picture of the scene under the edits to a relative L2 error, from the store if it can.
+
+    Each seed has noise of its own.
+    """
     edited = apply(scene, edits)
-    entry = store.entry(f"reference-{_digest(edited, error)}")
+    entry = store.entry(f"reference-{_digest(edited, error)}{f'-{seed}' if seed else ''}")
     found = entry.read("picture")
     if found is None:
-        result = render(edited, error=error, progress=progress)
+        result = render(edited, error=error, seed=seed, progress=progress)
         entry.write(
             "picture",
             {"image": result.image, "variance": result.variance},

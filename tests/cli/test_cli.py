@@ -254,3 +254,26 @@ def test_chart_of_a_small_sweep(relight: Relight) -> None:
         assert len(p["errors"]) == len(document["edits"]) == len(document["references"]) == 2
     assert points[1]["bytes"] < points[2]["bytes"]
     assert document["machine"]["memory_read_gb_s"] > 0
+
+
+def test_growth_of_one_setting(relight: Relight) -> None:
+    small = ["--size", "24x24", "--set", "gather_samples=1024", "--reference-error", "0.3"]
+    sweep = ["--sweep", "coefficients=4,32", "--edits", "1"]
+    run = relight("chart", "cornell-box", "--growth", *small, *sweep, "--out", "growth")
+    assert run.returncode == 0, run.stderr
+    folder = relight.folder / "growth"
+    assert {path.name for path in folder.iterdir()} == {"growth.svg", "growth.png", "growth.json"}
+    points = json.loads((folder / "growth.json").read_text())["points"]
+    assert [(p["knob"], p["size"]) for p in points] == [("coefficients", 4), ("coefficients", 32)]
+    assert points[0]["bytes"] < points[1]["bytes"]
+
+
+def test_rivals_that_are_not_installed_are_named(
+    relight: Relight, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before there is a precompute to wait for."""
+    monkeypatch.delitem(sys.modules, "engine.measure.rivals", raising=False)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    line = relight.fails(1, "bench", "cornell-box", "--size", "16x16", "--rivals")
+    assert "mitsuba" in line
+    assert "relight[peers]" in line

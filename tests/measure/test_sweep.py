@@ -106,7 +106,7 @@ def test_references_are_kept_and_told_apart(
 
 def test_a_benchmark_is_complete_and_can_be_printed(tmp_path: Path) -> None:
     (tmp_path / "small.json").write_text(SMALL_SCENE)
-    document = bench([str(tmp_path / "small.json")], changes={"gather_samples": 1024})
+    document = bench([open_scene(str(tmp_path / "small.json"))], changes={"gather_samples": 1024})
     (found,) = document["scenes"]
     assert found["scene"] == "small"
     assert found["bytes"] > 0
@@ -117,9 +117,10 @@ def test_a_benchmark_is_complete_and_can_be_printed(tmp_path: Path) -> None:
     assert 0 < frame["median"] <= frame["p95"]
     assert set(frame["lights"]) == {"a new spot light", "a new point light", "'lamp' moved"}
     assert min(frame["lights"].values()) <= frame["median"] <= max(frame["lights"].values())
-    assert found["ratios"]["memory_bandwidth_used"] == pytest.approx(
-        found["bytes"] / frame["median"] / document["machine"]["memory_read_gb_s"] / 1e9
-    )
+    # Less than a frame reads in its own time, as a frame does more than that.
+    rate = found["ratios"]["product_bandwidth"] * document["machine"]["memory_read_gb_s"] * 1e9
+    assert rate > found["bytes"] / frame["median"]
+    assert "rivals" not in found
     console = Console(width=100, file=io.StringIO())
     for table in bench_tables(document):
         console.print(table)

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from engine.methods.base import Progress
 from engine.methods.direct_to_indirect.environment import EnvironmentRows
-from engine.methods.direct_to_indirect.product import NAME, Transfer, glossy_pixels
+from engine.methods.direct_to_indirect.product import NAME, Transfer
+from engine.methods.direct_to_indirect.reflected import glossy_pixels
 from engine.methods.direct_to_indirect.settings import Settings
 from engine.methods.fixed_view.chunks import run_chunks
 from engine.methods.fixed_view.cloud import GatherCloud, build_cloud, cloud_arrays, cloud_from

@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from engine.backend.choice import Backend, chosen_device, instead_of_gl
@@ -20,20 +19,28 @@ from engine.light.base import Light
 from engine.light.environment import Environment
 from engine.methods.base import Frame, require_supported
 from engine.methods.direct_to_indirect.bounces import Bounces
+from engine.methods.direct_to_indirect.coverage import uncovered
 from engine.methods.direct_to_indirect.environment import EnvironmentLight, EnvironmentRows
 from engine.methods.direct_to_indirect.gl_transfer import GlTransfer, Parts, Standing
+from engine.methods.direct_to_indirect.gloss_limits import Caustics, blurred_mirrors
+from engine.methods.direct_to_indirect.light_balance import LightBalance
+from engine.methods.direct_to_indirect.reflected import (
+    add_at_edges,
+    add_indirect,
+    as_gathered,
+    glossy_pixels,
+)
 from engine.methods.direct_to_indirect.settings import Settings
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.direct import light_on_points
+from engine.methods.fixed_view.nearest import build_grid
 from engine.methods.fixed_view.rows import PackedRows
 from engine.methods.fixed_view.tiles import coarse_tiles, pixel_tiles
 from engine.methods.fixed_view.view import Reflectance, View
 from engine.numerics import haar
-from engine.numerics.parallel import for_ranges
 from engine.scene.edits import Edits, edited_environment, edited_lights
 
 NAME = "direct_to_indirect"
-FAINT = 0.02  # a gloss that reflects less than this counts as matt
 NEGLIGIBLE = 0.02  # of the indirect light: what the bounces may miss before the user is told
 
 Drawn = tuple[NDArray[np.float32], float, dict[str, float]]
@@ -65,10 +72,18 @@ class Transfer:
         self._reflects = len(gloss.ids) + len(environment.gloss.ids) > 0
         self._environment = EnvironmentLight(cloud, environment, self._tiles)
         self._bounces = Bounces(view.scene, cloud, bounce, settings.bounces, settings.seed)
+        points = cloud.points
+        nearby = build_grid(points.position, points.geometric, cloud.area)
+        self._balance = LightBalance(view.scene, cloud, nearby)
         # Indirect light meets whole pixels where they have no sub-samples.
         self._glossy = glossy_pixels(view)
-        whole = _as_gathered(view.reflectance, self._glossy)
-        self._sub = _as_gathered(view.sub_reflectance, self._glossy[view.buffer.donor])
+        self._caustics = Caustics(view.scene, cloud)
+        self._of_view = (
+            blurred_mirrors(view, cloud, self._glossy),
+            uncovered(view, cloud, nearby),
+        )
+        whole = as_gathered(view.reflectance, self._glossy)
+        self._sub = as_gathered(view.sub_reflectance, self._glossy[view.buffer.donor])
         grid = np.arange(len(whole.matt)).reshape(camera.height, camera.width)
         coarse = grid[::2, ::2].ravel()
         self._reflectance = {2: Reflectance(*(part[coarse] for part in whole)), 1: whole}
@@ -104,7 +119,10 @@ class Transfer:
             notices = (self._gl_failed,)
         image, missing, timings = drawn or self._on_cpu(lights, environment, scale)
         height, width = self.view.shape(scale)
-        warnings = (*notices, *self._warnings(missing, environment))
+        start = time.perf_counter()
+        warnings = (*notices, *self._warnings(lights, environment, missing))
+        timings["diagnosis"] = time.perf_counter() - start
+        timings["total"] += timings["diagnosis"]
         return Frame(image.reshape(height, width, 3), timings, warnings)
 
     def _on_gl(
@@ -141,7 +159,7 @@ class Transfer:
         self, lights: tuple[Light, ...], environment: Environment | None, scale: int
     ) -> Drawn:
         clock = _Clock()
-        view, cloud = self.view, self.cloud
+        view = self.view
         if environment is not None:
             with clock("environment"):
                 self._environment.use(environment)
@@ -149,13 +167,7 @@ class Transfer:
 
         # Direct light on gather samples: g.
         with clock("gather_direct"):
-            g = view.pictures.total(
-                "gather",
-                lights + suns,
-                lambda light: light_on_points(view.scene.rays, cloud.points, light),
-                len(cloud),
-            )
-            g += cloud.emission
+            g = self._on_cloud(lights + suns)
             if environment is not None:
                 g += self._environment.gather
 
@@ -187,6 +199,18 @@ class Transfer:
             self._reflects, self._tiles, self._reflectance, self._sub,
         )  # fmt: skip
 
+    def _on_cloud(self, lights: tuple[Light, ...]) -> NDArray[np.float32]:
+        """Radiance (n_g, 3) that lights make the gather samples reflect, and what they emit."""
+        lit = self.view.pictures.total("gather", lights, self._light_on_cloud, len(self.cloud))
+        lit += self.cloud.emission
+        return lit
+
+    def _caught(self, light: Light) -> NDArray[np.float32]:
+        return self.view.pictures.total("gather", (light,), self._light_on_cloud, len(self.cloud))
+
+    def _light_on_cloud(self, light: Light) -> NDArray[np.float32]:
+        return light_on_points(self.view.scene.rays, self.cloud.points, light)
+
     def indirect(self, edits: Edits) -> NDArray[np.float32]:
         """The indirect part of the full picture alone, (height, width, 3): for tests and charts."""
         frame, light = self.relight(edits), self._environment
@@ -211,15 +235,20 @@ class Transfer:
         scale: int,
     ) -> None:
         """Add the indirect light to the direct, in place."""
-        buffer = self.view.buffer
-        args = (arriving, mirrored, *self._reflectance[scale], image)
-        for_ranges(_add_indirect, len(image), *args)
+        add_indirect(arriving, mirrored, self._reflectance[scale], image)
         if scale == 1:
-            at_edges = (buffer.edge, buffer.donor, arriving, mirrored, *self._sub, image)
-            for_ranges(_add_at_edges, len(buffer.edge), *at_edges)
+            add_at_edges(self.view.buffer, arriving, mirrored, self._sub, image)
 
-    def _warnings(self, missing: float, environment: Environment | None) -> tuple[Diagnosis, ...]:
-        found = []
+    def _warnings(
+        self, lights: tuple[Light, ...], environment: Environment | None, missing: float
+    ) -> tuple[Diagnosis, ...]:
+        suns = self._environment.suns if environment is not None else ()
+        first = self._on_cloud(lights + suns)
+        if environment is not None:
+            first += self._environment.gather
+        balance = self._balance(lights, self._caught)
+        said = (*self._of_view, self._caustics(first), balance)
+        found = [warning for warning in said if warning is not None]
         if environment is not None:
             found += self._environment.warnings(self._settings.view_rays)
         if missing > NEGLIGIBLE:
@@ -242,43 +271,6 @@ class Transfer:
                 )
             )
         return tuple(found)
-
-
-def glossy_pixels(view: View) -> NDArray[np.bool_]:
-    """(n,) bool: pixels whose gloss gets rows of its own."""
-    return view.reflectance.gloss.max(axis=1) > FAINT
-
-
-def _as_gathered(reflectance: Reflectance, glossy: NDArray[np.bool_]) -> Reflectance:
-    """The gloss of pixels that have no rows for it counted as matt."""
-    matt, gloss = reflectance
-    return Reflectance(
-        np.where(glossy[:, None], matt, matt + gloss), np.where(glossy[:, None], gloss, 0)
-    )
-
-
-@njit(cache=True, nogil=True)
-def _add_indirect(start, stop, arriving, mirrored, matt, gloss, image):
-    for i in range(start, stop):
-        for c in range(3):
-            image[i, c] += _reflected(arriving[i, c], mirrored[i, c], matt[i, c], gloss[i, c])
-
-
-@njit(cache=True, nogil=True)
-def _add_at_edges(start, stop, edge, donor, arriving, mirrored, matt, gloss, image):
-    for e in range(start, stop):
-        for s in range(4 * e, 4 * e + 4):
-            i = donor[s]
-            for c in range(3):
-                image[edge[e], c] += 0.25 * _reflected(
-                    arriving[i, c], mirrored[i, c], matt[s, c], gloss[s, c]
-                )
-
-
-@njit
-def _reflected(arriving, mirrored, matt, gloss):
-    # Culled wavelets can leave a little less than no light.
-    return (matt * max(arriving, 0.0) + gloss * max(mirrored, 0.0)) * 0.3183098861837907
 
 
 class _Clock:

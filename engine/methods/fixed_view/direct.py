@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +50,7 @@ def probes() -> NDArray[np.float64]:
 
 KEPT_BYTES = 256e6
 KEPT_LAMPS = 24
+FEW = 16  # lights of which none is remembered as a part of a sum alone
 
 
 def light_samples(light: Light, per_point: int) -> NDArray[np.float64]:
@@ -177,6 +178,7 @@ class LightPictures(Generic[Picture]):
     def __init__(self) -> None:
         self._pictures: OrderedDict[Key, Picture] = OrderedDict()
         self._bytes = 0
+        self._sums: dict[int | str, tuple[frozenset[Light], NDArray[np.float64]]] = {}
         self._lamps: OrderedDict[tuple[int, Light], Lamp] = OrderedDict()
 
     def total(
@@ -187,6 +189,10 @@ class LightPictures(Generic[Picture]):
         n: int,
     ) -> NDArray[np.float32]:
         """Sum over enabled lights of compute(light) (n, 3); see `each`."""
+        on = [light for light in lights if light.enabled]
+        # The room is for three kinds: of whole and of coarse pixels, and of gather samples.
+        if len(on) > FEW and len(on) * 12 * n > KEPT_BYTES / 3:
+            return self._changed_total(what, on, compute, n)
         out = np.zeros((n, 3), np.float32)
         for picture in self.each(what, lights, compute):
             out += picture
@@ -201,16 +207,39 @@ class LightPictures(Generic[Picture]):
         """compute(light) of the enabled lights; `what` names the kind of picture."""
         keys = {(what, light) for light in lights if light.enabled}
         for light in lights:
-            if not light.enabled:
-                continue
-            key = (what, light)
-            if key in self._pictures:
-                self._pictures.move_to_end(key)
-                yield self._pictures[key]
-            else:
-                picture = compute(light)
-                self._keep(key, picture, keys)
-                yield picture
+            if light.enabled:
+                yield self._picture((what, light), compute, keys)
+
+    def _changed_total(
+        self,
+        what: int | str,
+        on: list[Light],
+        compute: Callable[[Light], NDArray[np.float32]],
+        n: int,
+    ) -> NDArray[np.float32]:
+        """The same for more lights than there is room for: their last sum, and what changed in it.
+
+        Kept in double precision, from which a light can be taken away again without a trace.
+        """
+        wanted = frozenset(on)
+        had, total = self._sums.get(what, (frozenset[Light](), np.zeros((n, 3))))
+        if len(wanted ^ had) > len(wanted):
+            had, total = frozenset(), np.zeros((n, 3))
+        new = {(what, light) for light in wanted - had}
+        for light in [light for light in on if light not in had]:
+            total += self._picture((what, light), compute, new)
+        for light in sorted(had - wanted, key=lambda light: light.id):
+            total -= self._picture((what, light), compute, new)
+        self._sums[what] = wanted, total
+        return np.maximum(total, 0).astype(np.float32)
+
+    def _picture(self, key: Key, compute: Callable[[Light], Any], wanted: set[Key]) -> Any:
+        if key in self._pictures:
+            self._pictures.move_to_end(key)
+            return self._pictures[key]
+        picture = compute(key[1])
+        self._keep(key, picture, wanted)
+        return picture
 
     def _keep(self, key: Key, picture: Picture, wanted: set[Key]) -> None:
         """Remember a picture, in place of the oldest but not of one that is wanted now."""

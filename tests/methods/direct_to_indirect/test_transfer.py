@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from methods.errors import error_and_noise
 from methods.scenes import POINT, camera, cornell, rectangle, scene, white_room
 
 from engine.errors import EditNotSupported, InputError
@@ -122,16 +123,6 @@ def test_red_wall_shines_on_what_is_beside_it(box: Transfer) -> None:
 
 
 # Against the reference
-
-
-def error_and_noise(
-    image: np.ndarray, truth: np.ndarray, variance: np.ndarray
-) -> tuple[float, float]:
-    """Relative L2 error with the reference's own noise taken out of it, and that noise."""
-    signal = (truth.astype(np.float64) ** 2).sum() - variance.sum()
-    noise = variance.sum() / signal
-    off = ((image - truth).astype(np.float64) ** 2).sum() / signal
-    return float(np.sqrt(max(0.0, off - noise))), float(np.sqrt(noise))
 
 
 def test_agrees_with_the_reference(make: Make) -> None:

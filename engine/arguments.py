@@ -1,0 +1,78 @@
+"""What the words of the command line mean: scenes, methods, settings, edits."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from engine.errors import InputError, NotFound, RelightError
+from engine.measure.settings import parse_assignments, parse_value, settings_from
+from engine.methods import METHODS
+from engine.scene.edits import Edits, edited_camera, problems
+from engine.scene.open import open_scene
+from engine.scene.scene import Scene
+from engine.terminal import warn
+
+
+def sized_scene(source: str, size: str | None) -> Scene:
+    """The scene of a name or file, with WxH pixels in place of its own; warnings are printed."""
+    scene = open_scene(source)
+    warn(scene.diagnoses)
+    if size is None:
+        return scene
+    numbers = re.fullmatch(r"(\d+)x(\d+)", size)
+    if numbers is None:
+        raise InputError(f"{size!r} is not of the form 640x480", field="size")
+    width, height = map(int, numbers.groups())
+    return scene.with_camera(edited_camera(scene.camera, {"width": width, "height": height}))
+
+
+def known_method(method: str) -> str:
+    """The name, if it is that of a method; NotFound else."""
+    if method not in METHODS:
+        raise NotFound(f"there is no method {method!r}; there are {', '.join(METHODS)}")
+    return method
+
+
+def settings_of(method: str, assignments: list[str] | None) -> Any:
+    """A method's settings with KEY=VALUE assignments in them."""
+    return settings_from(
+        METHODS[known_method(method)].settings, parse_assignments(assignments or ())
+    )
+
+
+def knobs(sweep: list[str] | None) -> dict[str, list[Any]] | None:
+    """{"coefficients": [25, 100]} from `coefficients=25,100`."""
+    if sweep is None:
+        return None
+    texts = parse_assignments(sweep, parse=str)
+    return {name: [parse_value(part) for part in text.split(",")] for name, text in texts.items()}
+
+
+def read_edits(path: Path | None) -> Edits:
+    """Edits from a file of JSON, or none; InputError names file and field."""
+    if path is None:
+        return Edits()
+    try:
+        return Edits.model_validate_json(path.read_bytes())
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", file=str(path)) from None
+    except ValidationError as error:
+        problem = problems(error, "")
+        raise InputError(problem.message, field=problem.field.strip("."), file=str(path)) from None
+
+
+@contextlib.contextmanager
+def needs_extra(extra: str) -> Iterator[None]:
+    """Tell what to install where the body misses a package of an optional extra."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        raise RelightError(
+            f"this needs {error.name}; please run: pip install 'relight[{extra}]'"
+        ) from None

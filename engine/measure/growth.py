@@ -1,0 +1,171 @@
+"""How cost grows: one thing is made larger at a time, and everything is measured again.
+
+What grows is either a setting of the method or the scene itself: its picture, its triangles, its
+lights. The rest stands at the method's defaults and the scene as it is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from engine.errors import InputError
+from engine.measure.edges import scene_edges
+from engine.measure.metrics import resolution
+from engine.measure.points import Point
+from engine.measure.probes import held_out_edits, many_lights
+from engine.measure.settings import settings_from
+from engine.measure.sweep import REFERENCE_ERROR, measure
+from engine.measure.truth import truth
+from engine.methods import METHODS
+from engine.methods.base import Progress, silent
+from engine.scene.edits import Edits, edited_camera
+from engine.scene.geometry import Placed, assemble
+from engine.scene.scene import Geometry, Scene
+from engine.scene.shapes import Sphere, make
+from engine.store import Store
+
+METHOD = "direct_to_indirect"
+BALLS = 5  # along each axis
+CLEAR = 3.0  # radii between the camera and the nearest ball
+
+
+SETTINGS: dict[str, tuple[float, ...]] = {
+    "gather_samples": (4096, 16384, 65536, 262144),
+    "coefficients": (25, 50, 100, 200, 400),
+}
+"""Settings of the method that grow, and their values."""
+
+SCENES: dict[str, tuple[float, ...]] = {
+    "view_samples": (1 / 16, 1 / 4, 1.0, 4.0),
+    "triangles": (10_000, 40_000, 160_000, 640_000, 2_000_000),
+    "lights": (1, 10, 100, 1000),
+}
+"""What grows of the scene; of view samples parts of the picture's own pixels."""
+
+
+@dataclass(frozen=True)
+class Grown:
+    """One thing at one size.
+
+    size   what it came to: pixels, gather samples, coefficients, triangles or lights
+    floor  the smallest error that the references let one see
+    point  as in a sweep; its knob is what grew
+    """
+
+    size: int
+    floor: float
+    point: Point
+
+
+def growth(
+    scene: Scene,
+    *,
+    fixed: Mapping[str, Any] | None = None,
+    axes: Mapping[str, Sequence[float]] | None = None,
+    edits: int = 2,
+    seed: int = 1,
+    reference_error: float = REFERENCE_ERROR,
+    store: Store | None = None,
+    progress: Progress = silent,
+) -> list[Grown]:
+    """Measure every size of every axis; arguments as in `engine.measure.sweep.sweep`."""
+    fixed = fixed or {}
+    cases = [
+        (axis, value)
+        for axis, values in ({**SCENES, **SETTINGS} if axes is None else axes).items()
+        for value in values
+    ]
+    for axis, _ in cases:
+        if axis not in SCENES and axis not in SETTINGS:
+            known = ", ".join([*SCENES, *SETTINGS])
+            raise InputError(f"{axis} is nothing that grows; there are {known}", field="sweep")
+    grown = []
+    for number, (axis, value) in enumerate(cases):
+        progress("sizes", number, len(cases))
+        larger = _grown_scene(scene, axis, value, seed)
+        changes = {**fixed, axis: value} if axis in SETTINGS else fixed
+        settings = settings_from(METHODS[METHOD].settings, changes)
+        moves = (
+            _moves_of_one(larger, edits, seed)
+            if axis == "lights"
+            else held_out_edits(larger, edits, seed)
+        )
+        truths = [truth(larger, e, reference_error, store or Store(), progress) for e in moves]
+        kept = ~scene_edges(larger)
+        floor = max(resolution(t.image, t.variance, kept) for t in truths)
+        point = measure(larger, METHOD, axis, settings, moves, truths, kept, progress)
+        grown.append(Grown(_size(larger, axis, value), floor, point))
+    progress("sizes", len(cases), len(cases))
+    return grown
+
+
+def _size(scene: Scene, axis: str, value: float) -> int:
+    """What `axis` came to in the scene."""
+    sizes = {
+        "view_samples": scene.camera.width * scene.camera.height,
+        "triangles": len(scene.geometry.triangles),
+        "lights": len(scene.lights),
+    }
+    return sizes.get(axis, int(value))
+
+
+def _grown_scene(scene: Scene, axis: str, value: float, seed: int) -> Scene:
+    if axis == "view_samples":
+        camera, factor = scene.camera, math.sqrt(value)
+        size = {"width": round(camera.width * factor), "height": round(camera.height * factor)}
+        return scene.with_camera(edited_camera(camera, size))
+    if axis == "triangles":
+        return with_balls(scene, int(value))
+    if axis == "lights":
+        return scene.with_lights(many_lights(scene, int(value), seed))
+    return scene
+
+
+def _moves_of_one(scene: Scene, count: int, seed: int) -> list[Edits]:
+    """The first of the lights moved to `count` other places, the others stay."""
+    places = many_lights(scene, count, seed + 1)
+    first = scene.lights[0].id
+    return [Edits(lights=[{"id": first, "position": light.position}]) for light in places]
+
+
+def with_balls(scene: Scene, triangles: int) -> Scene:
+    """The scene with BALLS³ balls hung in it, which bring it to about so many triangles.
+
+    It looks much the same however finely they are made: all instances of one mesh, copied.
+    """
+    geometry = scene.geometry
+    low, high = geometry.positions.min(axis=0), geometry.positions.max(axis=0)
+    steps = (np.arange(BALLS) + 0.5) / BALLS
+    places = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1).reshape(-1, 3)
+    places = low + places * (high - low)
+    radius = 0.15 * float((high - low).min()) / BALLS
+    places = places[np.linalg.norm(places - scene.camera.position, axis=1) > CLEAR * radius]
+    # A ball of r rings has 4 r (r - 1) triangles.
+    each = max(0, triangles - len(geometry.triangles)) / len(places)
+    rings = min(512, max(3, round(0.5 + math.sqrt(0.25 + each / 4))))
+    ball = make(Sphere(shape="sphere", radius=radius, rings=rings))
+    placed = []
+    for index, place in enumerate(places):
+        matrix = np.eye(4)
+        matrix[:3, 3] = place
+        placed.append(Placed(ball, matrix, 0, index))
+    names = tuple(f"ball {index}" for index in range(len(places)))
+    balls, _ = assemble(placed, names)
+    more = Geometry(
+        positions=np.concatenate([geometry.positions, balls.positions]),
+        triangles=np.concatenate([geometry.triangles, balls.triangles + len(geometry.positions)]),
+        normals=np.concatenate([geometry.normals, balls.normals]),
+        uvs=np.concatenate([geometry.uvs, balls.uvs]),
+        material=np.concatenate([geometry.material, balls.material]),
+        object=np.concatenate([geometry.object, balls.object + len(scene.object_names)]),
+    )
+    more = more._replace(
+        triangles=more.triangles.astype(np.int32), object=more.object.astype(np.int32)
+    )
+    # Nothing of the ray tracer and digest of the old geometry goes along.
+    return replace(scene, geometry=more, object_names=(*scene.object_names, *names))

@@ -1,0 +1,124 @@
+"""Draw how cost grows: a column for everything that grows, a row for everything that it costs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
+
+from engine.measure.chart import COLOURS, GREY, MARKERS, machine_caption, write_figure
+from engine.measure.document import finite, point_document, provenance
+from engine.measure.growth import Grown
+from engine.measure.machine import Machine
+from engine.measure.points import MAIN_ERROR
+from engine.scene.scene import Scene
+
+Point = dict[str, Any]
+
+COSTS = {
+    "frame (ms)": lambda p: 1e3 * p["frame_seconds"]["median"],
+    "precompute (s)": lambda p: p["precompute_seconds"],
+    "transport (MB)": lambda p: 1e-6 * p["bytes"],
+    "relative L² error (%)": lambda p: 100 * max(p["error"][MAIN_ERROR], p["floor"]),
+}
+"""What a point costs, each in its unit; no error is drawn below what its references can tell."""
+
+
+def write(scene: Scene, grown: Sequence[Grown], machine: Machine, folder: Path) -> list[Path]:
+    """Write growth.svg, growth.png and growth.json into a folder; returns their paths."""
+    document = growth_document(scene, grown, machine)
+    return write_figure(draw(document), document, folder, "growth")
+
+
+def growth_document(scene: Scene, grown: Sequence[Grown], machine: Machine) -> dict[str, Any]:
+    """What grew as JSON."""
+    camera = scene.camera
+    return finite(
+        {
+            **provenance(),
+            "machine": machine.as_dict(),
+            "scene": scene.name,
+            "width": camera.width,
+            "height": camera.height,
+            "triangles": len(scene.geometry.triangles),
+            "main_error": MAIN_ERROR,
+            "points": [
+                {"size": g.size, "floor": g.floor, **point_document(g.point)} for g in grown
+            ],
+        }
+    )
+
+
+def draw(document: dict[str, Any]) -> Figure:
+    """The figure: all scales are logarithmic, so that a power law is a line with its power."""
+    lines: dict[str, list[Point]] = {}
+    for point in document["points"]:
+        lines.setdefault(point["knob"], []).append(point)
+    for line in lines.values():
+        line.sort(key=lambda p: p["size"])
+    figure = Figure(figsize=(2.3 * len(lines) + 0.8, 8.4), layout="constrained")
+    grid = figure.subplots(len(COSTS), len(lines), sharex="col", sharey="row", squeeze=False)
+    for row, (cost, of) in zip(grid, COSTS.items(), strict=True):
+        for number, (axes, (name, line)) in enumerate(zip(row, lines.items(), strict=True)):
+            size = [p["size"] for p in line]
+            _draw_line(axes, size, [of(p) for p in line], number)
+            if axes is row[0]:
+                axes.set_ylabel(cost)
+            if cost == list(COSTS)[-1]:
+                axes.set_xlabel(name.replace("_", " "))
+    title = f"how cost grows: {TITLE.format(**document)}"
+    figure.suptitle(title, fontsize=11, x=0.01, ha="left")
+    caption = f"the number at a panel is the power with which it grows; {machine_caption(document)}"
+    figure.supxlabel(caption, fontsize=7, color=GREY, x=0.01, ha="left")
+    return figure
+
+
+TITLE = "direct_to_indirect on {scene}, {width} x {height}"
+
+
+def _draw_line(axes: Axes, size: list[float], cost: list[float], number: int) -> None:
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.plot(
+        size,
+        cost,
+        color=COLOURS[number % len(COLOURS)],
+        marker=MARKERS[number % len(MARKERS)],
+        markersize=5,
+        linewidth=1.4,
+        markeredgecolor="white",
+        markeredgewidth=0.7,
+    )
+    axes.set_xticks(size, [_short(value) for value in size], fontsize=7)
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.grid(which="major", color="#e4e4e4", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+    power = growth_power(size, cost)
+    if power is not None:
+        axes.set_title(f"{power:+.2f}", loc="right", fontsize=8, color=GREY, pad=2)
+
+
+def _short(value: float) -> str:
+    """1234567 as 1.2M."""
+    for unit, name in ((1e6, "M"), (1e3, "K")):
+        if value >= unit:
+            return (
+                f"{value / unit:.2g}{name}" if value < 100 * unit else f"{value / unit:.0f}{name}"
+            )
+    return f"{value:g}"
+
+
+def growth_power(size: list[float], cost: list[float]) -> float | None:
+    """The power p of the size in cost ~ size^p, by least squares; None for fewer than two sizes."""
+    if len(set(size)) < 2 or min(cost) <= 0:
+        return None
+    return float(np.polyfit(np.log(size), np.log(cost), 1)[0])

@@ -1,0 +1,74 @@
+"""Whether gather samples lie on what the camera sees: not on things thinner than their spacing."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from engine.diagnosis import Diagnosis
+from engine.methods.fixed_view.cloud import GatherCloud
+from engine.methods.fixed_view.gather_rays import LIFT
+from engine.methods.fixed_view.nearest import Grid, nearest
+from engine.methods.fixed_view.view import View
+from engine.numerics.borrow import borrow
+from engine.numerics.parallel import for_ranges
+from engine.numerics.vec import add, scale, sub, vec
+
+FAR = 1.5  # spacings to the nearest sample, beyond which it speaks for another place
+NEGLIGIBLE = 0.03  # of the picture
+
+
+def uncovered(view: View, cloud: GatherCloud, grid: Grid) -> Diagnosis | None:
+    """What to say of surfaces without gather samples of their own; grid is the cloud's.
+
+    A place is on one if the nearest sample, by position and normal, is FAR away, on another object
+    or out of its sight. What shines on it is then gathered, but what it sends is that sample's.
+    """
+    points = view.points(2)
+    seen = np.flatnonzero(points.model >= 0)
+    if not len(seen):
+        return None
+    position, normal = points.position[seen], points.geometric[seen]
+    way, far = np.zeros_like(position), np.zeros(len(seen), np.bool_)
+    lift = np.float32(LIFT * grid.bend)
+    for_ranges(
+        _to_nearest, len(seen), grid, position, normal, cloud.points.position,
+        cloud.points.geometric, points.object[seen], cloud.points.object, way, far,
+    )  # fmt: skip
+    start = np.ascontiguousarray(position + lift * normal, np.float32)
+    alone = far | view.scene.rays.occluded(start, way, 1.0)
+    share = float(alone.sum()) / len(points)
+    if share <= NEGLIGIBLE:
+        return None
+    spacing = 100 * math.sqrt(cloud.area)
+    return Diagnosis(
+        "surfaces_between_samples",
+        f"{100 * share:.0f} % of the picture shows surfaces that are thinner or smaller than the "
+        f"gather samples lie apart, {spacing:.2g} cm: their indirect light is that of what is "
+        "beside them, up to a third off. Set gather_samples higher.",
+        share,
+    )
+
+
+@njit(cache=True, nogil=True)
+def _to_nearest(
+    start, stop, grid, position, normal, leaf_position, leaf_normal, obj, leaf_object, way, far
+):
+    """Fill way (n, 3) from above each place to above its nearest sample.
+
+    far (n,) says whether that one is far away or on another object.
+    """
+    grid = borrow(grid)
+    lift = LIFT * grid.bend
+    for i in range(start, stop):
+        x, g = vec(position, i), vec(normal, i)
+        j = nearest(grid, x, g)
+        p = vec(leaf_position, j)
+        apart = sub(p, x)
+        square = apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2]
+        far[i] = square > FAR * FAR * grid.bend * grid.bend or obj[i] != leaf_object[j]
+        w = sub(add(p, scale(vec(leaf_normal, j), lift)), add(x, scale(g, lift)))
+        for c in range(3):
+            way[i, c] = w[c]
