@@ -12,8 +12,7 @@ from methods.scenes import POINT, camera, cornell, rectangle, scene, white_room
 from engine.errors import EditNotSupported, InputError
 from engine.methods import prepare
 from engine.methods.base import Frame
-from engine.methods.direct_to_indirect import Settings, Transfer
-from engine.methods.direct_to_indirect import product as product_module
+from engine.methods.direct_to_indirect import Settings, Transfer, reflected
 from engine.reference import render
 from engine.scene.edits import Edits
 from engine.scene.scene import Scene
@@ -196,7 +195,7 @@ def test_a_glossy_floor_reflects_the_room(
     assert error < (0.06 if roughness < 0.5 else 0.03), f"{error:.3f} off, noise {noise:.3f}"
     assert image.mean() / true.mean() == pytest.approx(1, abs=0.03)
     # With all of its gloss counted as matt.
-    monkeypatch.setattr(product_module, "FAINT", 10.0)
+    monkeypatch.setattr(reflected, "FAINT", 10.0)
     matt = make(room, gather_samples=4096, coefficients=300, gloss_coefficients=300)
     image = matt.indirect(Edits())[floor]
     assert error_and_noise(image, true, truth.indirect_variance[floor])[0] > 2 * error
