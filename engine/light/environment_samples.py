@@ -74,7 +74,9 @@ def _turned(
 
 @cache
 def _fine_places() -> NDArray[np.float32]:
-    return places_on_map(centres(FINE))
+    """(4^FINE, 3): places on the map, and how much wider along the row each of them is there."""
+    places = places_on_map(centres(FINE))
+    return np.column_stack([places, 1 / np.sin(np.pi * places[:, 1])]).astype(np.float32)
 
 
 @njit(cache=True, nogil=True)
@@ -91,21 +93,22 @@ def _look_up(start, stop, radiance, shift, factor, places, out):
 def _means(start, stop, radiance, shift, factor, places, spacing, out):
     height, width = radiance.shape[:2]
     share = places.shape[0] // out.shape[0]
+    down, across = 0.5 * spacing * height / math.pi, 0.25 * spacing * width / math.pi
     for i in range(start, stop):
         red = green = blue = 0.0
         for s in range(i * share, (i + 1) * share):
             # Average over what the place stands for; along a row that is wider near the poles.
-            v = np.float64(places[s, 1])
-            y0, y1, ty = _overlap(v * height, 0.5 * spacing * height / math.pi)
-            x = (places[s, 0] + shift) % 1.0 * width
-            x0, x1, tx = _overlap(x, 0.25 * spacing * width / (math.pi * math.sin(math.pi * v)))
+            u = places[s, 0] + shift
+            x0, x1, tx = _overlap((u - (u >= 1.0)) * width, across * places[s, 2])
+            y0, y1, ty = _overlap(np.float64(places[s, 1]) * height, down)
             y0, y1 = max(0, y0), min(height - 1, y1)
-            x0, x1 = x0 % width, x1 % width
-            a, b, c, d = (1 - ty) * (1 - tx), (1 - ty) * tx, ty * (1 - tx), ty * tx
-            p, q, r, t = radiance[y0, x0], radiance[y0, x1], radiance[y1, x0], radiance[y1, x1]
-            red += a * p[0] + b * q[0] + c * r[0] + d * t[0]
-            green += a * p[1] + b * q[1] + c * r[1] + d * t[1]
-            blue += a * p[2] + b * q[2] + c * r[2] + d * t[2]
+            x0, x1 = (x0 + width) % width, x1 % width
+            for y, part in ((y0, 1.0 - ty), (y1, ty)):
+                if part > 0.0:
+                    left, right = part * (1.0 - tx), part * tx
+                    red += left * radiance[y, x0, 0] + right * radiance[y, x1, 0]
+                    green += left * radiance[y, x0, 1] + right * radiance[y, x1, 1]
+                    blue += left * radiance[y, x0, 2] + right * radiance[y, x1, 2]
         out[i, 0], out[i, 1], out[i, 2] = (
             factor * red / share, factor * green / share, factor * blue / share,
         )  # fmt: skip
