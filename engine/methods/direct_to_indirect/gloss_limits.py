@@ -69,7 +69,7 @@ def blurred_mirrors(view: View, cloud: GatherCloud, glossy: NDArray[np.bool_]) -
     share = float((wider > 1).sum()) / len(glossy)
     if share <= NEGLIGIBLE:
         return None
-    middle = float(np.median(wider[wider > 1]))  # of those that the message is about
+    middle = float(np.median(wider))
     return Diagnosis(
         "mirror_blurred",
         f"{100 * share:.0f} % of the picture mirrors the room more sharply than the gather "
