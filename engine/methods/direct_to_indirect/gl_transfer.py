@@ -99,7 +99,9 @@ class GlTransfer:
         # Room to work in.
         samples, pixels = len(parts.cloud), len(parts.view.points(1))
         self._haar = Haar(device, samples)
-        self._g, self._light, self._total = (device.floats(3 * samples) for _ in range(3))
+        self._first, self._g, self._light, self._total = (
+            device.floats(3 * samples) for _ in range(4)
+        )
         self._arriving, self._mirrored = (device.floats(3 * pixels) for _ in range(2))
         # The picture, and behind it three numbers for every bounce.
         self._image = device.floats(3 * (pixels + parts.bounces.count + 1))
@@ -121,9 +123,9 @@ class GlTransfer:
         self._device.context.gc()
         n = len(self._parts.view.points(scale))
         with clock("gather_direct"):
-            self._copy(self._emission, self._g)
-            self._add("gather", standing.gather, self._g)
-            self._view.on_points(self._points, lights + standing.suns, self._g)
+            self._copy(self._emission, self._first)
+            self._add("gather", standing.gather, self._first)
+            self._view.on_points(self._points, lights + standing.suns, self._first)
         with clock("bounces"):
             self._bounce_all(n)
         with clock("final_gather"):
@@ -145,10 +147,25 @@ class GlTransfer:
         self._device.check()
         return numbers[:n], list(numbers[n:].astype(np.float64))
 
+    def first(self) -> NDArray[np.float32]:
+        """(n_g, 3): what the gather samples of the last picture reflect first, and what they emit.
+
+        Raises BackendError where GL fails, as `first_of`.
+        """
+        out = np.zeros((len(self._parts.cloud), 3), np.float32)
+        with gl_errors():
+            self._first.read_into(out, out.nbytes)
+        return out
+
+    def first_of(self, light: Light) -> NDArray[np.float32]:
+        """(n_g, 3): what the gather samples reflect first of one light."""
+        with gl_errors():
+            return self._view.read_points(self._points, light)
+
     def _bounce_all(self, n: int) -> None:
-        """`_total` of `_g`, and the power of every bounce behind the n pixels of the picture."""
+        """`_total` of `_first`, and the power of every bounce behind the picture's n pixels."""
         bounces, samples = self._parts.bounces, len(self._parts.cloud)
-        self._haar.forward(self._g, self._light)
+        self._haar.forward(self._first, self._light)
         self._copy(self._light, self._total)
         self._copy(self._light, self._image, 12, 12 * n)
         for k, gain in enumerate(bounces.gains, 1):

@@ -8,6 +8,7 @@ surface throws onto another, a caustic, is spread evenly instead.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numba import njit
@@ -72,9 +73,9 @@ def blurred_mirrors(view: View, cloud: GatherCloud, glossy: NDArray[np.bool_]) -
     middle = float(np.median(wider))
     return Diagnosis(
         "mirror_blurred",
-        f"{100 * share:.0f} % of the picture mirrors the room more sharply than the gather "
-        f"samples lie, {100 * spacing:.2g} cm apart: a point of it looks about {1 + middle:.1f} "
-        "times as wide in them as it should. Four times the gather_samples halve that; true "
+        f"{100 * share:.0f} % of the picture mirrors the room so sharply that a point looks more "
+        "than twice as wide in it as it should: reflections are made of gather samples, "
+        f"{100 * spacing:.2g} cm apart. Four times the gather_samples halve the width; true "
         "mirrors need the reference.",
         middle,
     )
@@ -91,10 +92,11 @@ class Caustics:
         thrown = gloss[cloud.points.material] / np.maximum(cloud.albedo, 1e-6)
         self._share = np.minimum(thrown, 1).astype(np.float32) if gloss.any() else None
 
-    def __call__(self, radiance: NDArray[np.float32]) -> Diagnosis | None:
-        """What to say of the light (n_g, 3) that the cloud reflects first, or None."""
+    def __call__(self, first: Callable[[], NDArray[np.float32]]) -> Diagnosis | None:
+        """What to say of the light first() (n_g, 3) that the cloud reflects first, or None."""
         if self._share is None:
             return None
+        radiance = first()
         total = float(radiance.sum(dtype=np.float64))
         share = float((self._share * radiance).sum(dtype=np.float64)) / max(total, 1e-30)
         if share <= NEGLIGIBLE:

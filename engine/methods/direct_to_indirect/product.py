@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,8 +44,22 @@ from engine.scene.edits import Edits, edited_environment, edited_lights
 NAME = "direct_to_indirect"
 NEGLIGIBLE = 0.02  # of the indirect light: what the bounces may miss before the user is told
 
-Drawn = tuple[NDArray[np.float32], float, dict[str, float]]
-"""A picture (n, 3), what the bounces may miss of all light, and seconds by part."""
+
+class Drawn(NamedTuple):
+    """A picture, and what there is to say about it.
+
+    image         (n, 3)
+    missing       what the bounces may miss of all light
+    first         () -> (n_g, 3), all light that the cloud reflects first, and what it emits
+    first_of      light -> (n_g, 3), the same of one light
+    timings       seconds by part
+    """
+
+    image: NDArray[np.float32]
+    missing: float
+    first: Callable[[], NDArray[np.float32]]
+    first_of: Callable[[Light], NDArray[np.float32]]
+    timings: dict[str, float]
 
 
 class Transfer:
@@ -114,16 +129,31 @@ class Transfer:
         require_supported(NAME, edits)
         lights, environment = self._edited(edits)
         device, notices = chosen_device(backend)
-        drawn = self._on_gl(device, lights, environment, scale) if device is not None else None
+        if device is not None and self._gl_failed is None:
+            try:
+                drawn = self._on_gl(device, lights, environment, scale)
+                return self._frame(drawn, lights, environment, scale, notices)
+            except BackendError as error:
+                self._gl, self._gl_failed = None, instead_of_gl(error)
         if device is not None and self._gl_failed is not None:
             notices = (self._gl_failed,)
-        image, missing, timings = drawn or self._on_cpu(lights, environment, scale)
-        height, width = self.view.shape(scale)
-        start = time.perf_counter()
-        warnings = (*notices, *self._warnings(lights, environment, missing))
+        drawn = self._on_cpu(lights, environment, scale)
+        return self._frame(drawn, lights, environment, scale, notices)
+
+    def _frame(
+        self,
+        drawn: Drawn,
+        lights: tuple[Light, ...],
+        environment: Environment | None,
+        scale: int,
+        notices: tuple[Diagnosis, ...],
+    ) -> Frame:
+        start, timings = time.perf_counter(), drawn.timings
+        warnings = (*notices, *self._warnings(lights, environment, drawn))
         timings["diagnosis"] = time.perf_counter() - start
         timings["total"] += timings["diagnosis"]
-        return Frame(image.reshape(height, width, 3), timings, warnings)
+        height, width = self.view.shape(scale)
+        return Frame(drawn.image.reshape(height, width, 3), timings, warnings)
 
     def _on_gl(
         self,
@@ -131,21 +161,15 @@ class Transfer:
         lights: tuple[Light, ...],
         environment: Environment | None,
         scale: int,
-    ) -> Drawn | None:
-        """The picture by the GPU; None where it has failed, now or before."""
-        if self._gl_failed is not None:
-            return None
+    ) -> Drawn:
+        """The picture by the GPU. Raises BackendError where it fails."""
         clock = _Clock(device.context.finish)
-        try:
-            if self._gl is None:
-                self._gl = GlTransfer(device, self._parts())
-            with clock("environment"):
-                standing = self._standing(environment, scale)
-            image, powers = self._gl.draw(lights, standing, scale, clock)
-        except BackendError as error:
-            self._gl, self._gl_failed = None, instead_of_gl(error)
-            return None
-        return image, self._bounces.missing(powers), clock.timings()
+        gl = self._gl = self._gl or GlTransfer(device, self._parts())
+        with clock("environment"):
+            standing = self._standing(environment, scale)
+        image, powers = gl.draw(lights, standing, scale, clock)
+        missing = self._bounces.missing(powers)
+        return Drawn(image, missing, gl.first, gl.first_of, clock.timings())
 
     def _standing(self, environment: Environment | None, scale: int) -> Standing:
         backdrop = self.view.backdrop.picture(environment)
@@ -168,6 +192,7 @@ class Transfer:
         # Direct light on gather samples: g.
         with clock("gather_direct"):
             g = self._on_cloud(lights + suns)
+            g += self.cloud.emission
             if environment is not None:
                 g += self._environment.gather
 
@@ -191,7 +216,7 @@ class Transfer:
             image = view.direct(lights, scale, environment, suns)
         with clock("compose"):
             self._compose(arriving, mirrored, image, scale)
-        return image, missing, clock.timings()
+        return Drawn(image, missing, lambda: g, self._first_of, clock.timings())
 
     def _parts(self) -> Parts:
         return Parts(
@@ -200,13 +225,11 @@ class Transfer:
         )  # fmt: skip
 
     def _on_cloud(self, lights: tuple[Light, ...]) -> NDArray[np.float32]:
-        """Radiance (n_g, 3) that lights make the gather samples reflect, and what they emit."""
-        lit = self.view.pictures.total("gather", lights, self._light_on_cloud, len(self.cloud))
-        lit += self.cloud.emission
-        return lit
+        """Radiance (n_g, 3) that lights make the gather samples reflect."""
+        return self.view.pictures.total("gather", lights, self._light_on_cloud, len(self.cloud))
 
-    def _caught(self, light: Light) -> NDArray[np.float32]:
-        return self.view.pictures.total("gather", (light,), self._light_on_cloud, len(self.cloud))
+    def _first_of(self, light: Light) -> NDArray[np.float32]:
+        return self._on_cloud((light,))
 
     def _light_on_cloud(self, light: Light) -> NDArray[np.float32]:
         return light_on_points(self.view.scene.rays, self.cloud.points, light)
@@ -240,14 +263,10 @@ class Transfer:
             add_at_edges(self.view.buffer, arriving, mirrored, self._sub, image)
 
     def _warnings(
-        self, lights: tuple[Light, ...], environment: Environment | None, missing: float
+        self, lights: tuple[Light, ...], environment: Environment | None, drawn: Drawn
     ) -> tuple[Diagnosis, ...]:
-        suns = self._environment.suns if environment is not None else ()
-        first = self._on_cloud(lights + suns)
-        if environment is not None:
-            first += self._environment.gather
-        balance = self._balance(lights, self._caught)
-        said = (*self._of_view, self._caustics(first), balance)
+        balance, missing = self._balance(lights, drawn.first_of), drawn.missing
+        said = (*self._of_view, self._caustics(drawn.first), balance)
         found = [warning for warning in said if warning is not None]
         if environment is not None:
             found += self._environment.warnings(self._settings.view_rays)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -76,6 +77,17 @@ class GlView:
     def on_points(self, points: Surface, lights: tuple[Light, ...], total: Any) -> None:
         """Add the light on points of a cloud; see `direct.light_on_points`."""
 
+        for picture in self._each_on_points(points, lights):
+            add(self._device, total, picture.buffer, points.count)
+
+    def read_points(self, points: Surface, light: Light) -> NDArray[np.float32]:
+        """(n, 3): the light of one that is on, on points of a cloud."""
+        out = np.zeros((points.count, 3), np.float32)
+        for picture in self._each_on_points(points, (light,)):
+            picture.buffer.read_into(out, out.nbytes)
+        return out
+
+    def _each_on_points(self, points: Surface, lights: tuple[Light, ...]) -> Iterator[Picture]:
         def compute(light: Light) -> Picture:
             picture = self._picture(points.count)
             visible = self._device.room(4 * points.count)
@@ -83,8 +95,7 @@ class GlView:
             self._shading.points(points, table, samples, picture.buffer, visible)
             return picture
 
-        for picture in self._pictures.each("gather", lights, compute):
-            add(self._device, total, picture.buffer, points.count)
+        return self._pictures.each("gather", lights, compute)
 
     def direct(
         self,
