@@ -31,6 +31,7 @@ from engine.light.sphere import SphereLight
 from engine.light.spot import SpotLight
 from engine.scene.description import TEXTURE_SLOTS
 from engine.scene.scene import Scene
+from engine.scene.surface import NORMAL_MAP
 
 Node = dict[str, Any]
 """What `mitsuba.load_dict` takes."""
@@ -162,6 +163,12 @@ def _bsdf(scene: Scene, index: int, material: Material) -> Node:
             "int_ior": (1 + root) / (1 - root),
             "diffuse_reflectance": base,
         }
+    q = scene.material_table.maps[index, NORMAL_MAP]
+    if q >= 0:
+        bumps = {"type": "bitmap", "bitmap": mi.Bitmap(_image(scene, q)), "raw": True}
+        # As light meets the bent normal and nothing else.
+        plain = {"use_shadowing_function": False, "flip_invalid_normals": False}
+        inner = {"type": "normalmap", "normalmap": bumps, "bsdf": inner, **plain}
     return {"type": "twosided", "bsdf": inner}
 
 
@@ -182,13 +189,19 @@ def _texture(
     q = table.maps[index, TEXTURE_SLOTS.index("diffuse")]
     if q < 0:
         return _rgb(constant + more)
-    first, width, height = table.texture[q]
-    image = table.texels[first : first + width * height].reshape(height, width, 3) * constant + more
+    image = _image(scene, q) * constant + more
     return {
         "type": "bitmap",
         "bitmap": mi.Bitmap(np.ascontiguousarray(image, np.float32)),
         "raw": True,
     }
+
+
+def _image(scene: Scene, q: int) -> NDArray[np.float32]:
+    """Texture q as (height, width, 3)."""
+    first, width, height = scene.material_table.texture[q]
+    texels = scene.material_table.texels[first : first + width * height]
+    return np.ascontiguousarray(texels.reshape(height, width, 3), np.float32)
 
 
 def _emitter(light: Light, lamp_albedo: Any) -> Node:

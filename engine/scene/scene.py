@@ -43,7 +43,8 @@ class MaterialTable(NamedTuple):
     model     (m,) int32          index into `engine.brdf.table.MODELS`
     row       (m, 16) float32     parameters, see `engine.brdf.base`
     emission  (m, 3) float32      radiance
-    maps      (m, 3) int32        textures that multiply diffuse, specular, roughness; -1 is none
+    maps      (m, 4) int32        textures that multiply diffuse, specular, roughness, and the one
+                                  of normals; -1 is none
     texture   (q, 3) int32        per texture: first texel, width, height
     texels    (k, 3) float32      linear RGB, rows from the bottom up
     """

@@ -166,7 +166,7 @@ def _describe_samples(
         g = surface.geometric_normal(geometry, t)
         if back[i]:
             g = scale(g, -1.0)
-        _, s = surface.normals(geometry, t, b1, b2, g)
+        _, s = surface.normals(geometry, materials, t, b1, b2, g)
         model[i] = surface.parameters(geometry, materials, t, b1, b2, row[i])
         obj[i] = geometry.object[t]
         material[i] = geometry.material[t]

@@ -206,7 +206,7 @@ def _describe_hits(
         if t < 0:
             continue
         p = surface.position(geometry, t, b1[i], b2[i])
-        g, s = surface.normals(geometry, t, b1[i], b2[i], vec(view, i))
+        g, s = surface.normals(geometry, materials, t, b1[i], b2[i], vec(view, i))
         model[i] = surface.parameters(geometry, materials, t, b1[i], b2[i], row[i])
         obj[i] = geometry.object[t]
         material[i] = geometry.material[t]
