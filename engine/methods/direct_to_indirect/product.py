@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,6 +18,7 @@ from engine.errors import BackendError
 from engine.light.base import Light
 from engine.light.environment import Environment
 from engine.methods.base import Frame, require_supported
+from engine.methods.clock import Clock
 from engine.methods.direct_to_indirect.bounces import Bounces
 from engine.methods.direct_to_indirect.coverage import uncovered
 from engine.methods.direct_to_indirect.environment import EnvironmentLight, EnvironmentRows
@@ -163,7 +163,7 @@ class Transfer:
         scale: int,
     ) -> Drawn:
         """The picture by the GPU. Raises BackendError where it fails."""
-        clock = _Clock(device.context.finish)
+        clock = Clock(device.context.finish)
         gl = self._gl = self._gl or GlTransfer(device, self._parts())
         with clock("environment"):
             standing = self._standing(environment, scale)
@@ -182,7 +182,7 @@ class Transfer:
     def _on_cpu(
         self, lights: tuple[Light, ...], environment: Environment | None, scale: int
     ) -> Drawn:
-        clock = _Clock()
+        clock = Clock()
         view = self.view
         if environment is not None:
             with clock("environment"):
@@ -290,22 +290,3 @@ class Transfer:
                 )
             )
         return tuple(found)
-
-
-class _Clock:
-    """Seconds by part, each until `finish` returns."""
-
-    def __init__(self, finish: Callable[[], object] = lambda: None) -> None:
-        self._finish = finish
-        self._start = time.perf_counter()
-        self._parts: dict[str, float] = {}
-
-    @contextmanager
-    def __call__(self, name: str) -> Iterator[None]:
-        start = time.perf_counter()
-        yield
-        self._finish()
-        self._parts[name] = time.perf_counter() - start
-
-    def timings(self) -> dict[str, float]:
-        return {**self._parts, "total": time.perf_counter() - self._start}
