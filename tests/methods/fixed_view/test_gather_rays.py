@@ -68,13 +68,14 @@ def test_the_nearest_is_the_nearest_of_all(flat: bool):
         position = rng.uniform(-1, 1, (1024, 3)).astype(np.float32)
         position[:, 2] = 0
         normal = np.tile(np.float32([0, 0, 1]), (1024, 1))
-    grid = build_grid(position, normal, 4 * np.pi / 1024)
+    spacing = rng.uniform(0.05, 0.2, 1024).astype(np.float32)
+    grid = build_grid(position, normal, spacing**2)
     places = rng.uniform(-1, 1, (500, 3)).astype(np.float32)
     places[400:] *= 20
     facing = unit(rng, 500)
     found = found_in(grid, places, facing)
     away = ((position[None] - places[:, None]) ** 2).sum(axis=2, dtype=float)
-    away += grid.bend**2 * ((normal[None] - facing[:, None]) ** 2).sum(axis=2, dtype=float)
+    away += spacing**2 * ((normal[None] - facing[:, None]) ** 2).sum(axis=2, dtype=float)
     mine = np.take_along_axis(away, found[:, None], axis=1)[:, 0]
     np.testing.assert_allclose(mine, away.min(axis=1), rtol=1e-5)
 
@@ -85,7 +86,7 @@ def test_each_side_of_a_sheet_finds_its_own_samples():
     position[:, 2] = 0
     normal = np.zeros((2048, 3), np.float32)
     normal[:, 2] = np.where(np.arange(2048) < 1024, 1, -1)
-    grid = build_grid(position, normal, 4 / 1024)
+    grid = build_grid(position, normal, np.full(2048, 4 / 1024, np.float32))
     places = rng.uniform(-0.9, 0.9, (300, 3)).astype(np.float32)
     places[:, 2] = 0
     for side in (1, -1):
