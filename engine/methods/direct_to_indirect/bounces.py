@@ -33,7 +33,9 @@ class Bounces:
         self._runs = run_tiles(len(cloud))
         self.reflected = cloud.albedo / np.float32(np.pi)
         even = haar.forward(np.ones((len(cloud), 3), np.float32))
-        self._closed = haar.forward(self._arriving(even))[:, 0].copy()
+        self._area = cloud.area.astype(np.float64)
+        closed = self._arriving(even) * cloud.area[:, None]
+        self._closed = haar.forward(closed)[:, 0].astype(np.float64)
         gains, self.tail, self._fades = self._trial_bounces(seed)
         self.gains = gains[:bounces]
 
@@ -82,11 +84,11 @@ class Bounces:
     ) -> float:
         """What gives back the light that culling loses in a bounce, for the middle one of lights.
 
-        As transport is reciprocal, what should arrive in all is what every sample sends, times the
-        share of its own hemisphere that others fill.
+        As transport is reciprocal, what should arrive in all, over all area, is what every sample
+        sends, times the share of its own hemisphere that others fill.
         """
         due = [max(float((self._closed @ light).sum()), 1e-30) for light in lights]
-        found = [max(float(light.sum(dtype=np.float64)), 1e-30) for light in arriving]
+        found = [max(float(self._area @ light.sum(axis=1)), 1e-30) for light in arriving]
         return float(np.median(np.divide(due, found)))
 
     def _trial_bounces(

@@ -18,7 +18,8 @@ from engine.brdf import hemispherical_albedo
 from engine.brdf import table as brdfs
 from engine.brdf.base import SPECULAR
 from engine.diagnosis import Diagnosis
-from engine.methods.fixed_view.cloud import ALBEDO_POINTS, GatherCloud
+from engine.methods.fixed_view.cloud import GatherCloud
+from engine.methods.fixed_view.surface_points import ALBEDO_POINTS
 from engine.methods.fixed_view.view import View, gloss_of
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import length, scale, sub
@@ -65,7 +66,7 @@ def blurred_mirrors(view: View, cloud: GatherCloud, glossy: NDArray[np.bool_]) -
     # A lobe is about as wide as two of its standard deviations, where it meets a surface.
     width = lobe_width(points.model[pixel], points.row[pixel])
     footprint = 2 * np.tan(np.minimum(width, 1.2))[met] * hits.distance[met]
-    spacing = math.sqrt(cloud.area)
+    spacing = cloud.spacing
     wider = np.hypot(1, spacing / np.maximum(footprint, 1e-9)) - 1
     share = float((wider > 1).sum()) / len(glossy)
     if share <= NEGLIGIBLE:
@@ -91,14 +92,16 @@ class Caustics:
         gloss[lobe_width(table.model, table.row) > SHARP] = 0
         thrown = gloss[cloud.points.material] / np.maximum(cloud.albedo, 1e-6)
         self._share = np.minimum(thrown, 1).astype(np.float32) if gloss.any() else None
+        self._area = cloud.area
 
     def __call__(self, first: Callable[[], NDArray[np.float32]]) -> Diagnosis | None:
         """What to say of the light first() (n_g, 3) that the cloud reflects first, or None."""
         if self._share is None:
             return None
         radiance = first()
-        total = float(radiance.sum(dtype=np.float64))
-        share = float((self._share * radiance).sum(dtype=np.float64)) / max(total, 1e-30)
+        total = float(self._area @ radiance.sum(axis=1, dtype=np.float64))
+        thrown = float(self._area @ (self._share * radiance).sum(axis=1, dtype=np.float64))
+        share = thrown / max(total, 1e-30)
         if share <= NEGLIGIBLE:
             return None
         return Diagnosis(
