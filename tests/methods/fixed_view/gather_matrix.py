@@ -95,17 +95,20 @@ def projected(room: Links, blocked: np.ndarray, samples: Cloud):
     return ids[:count], values[:count], starts
 
 
-def packed(ids, values, starts, n: int, coefficients: int, importance=None, wanted=None):
+def packed(
+    ids, values, starts, n: int, coefficients: int, importance=None, wanted=None, noise=0.0
+):  # fmt: skip
     """(PackedRows of one tile, share of energy kept)."""
     importance = np.ones(n, np.float32) if importance is None else importance
+    noise = np.full(n, noise, np.float32)
     wanted = np.ones(TILE, np.bool_) if wanted is None else wanted
     most = min(8 * coefficients, 4 * n)
     wavelets, (mean, scale) = np.zeros(most, np.int32), np.zeros((2, most), np.float32)
     steps, length = np.zeros(most * TILE, np.int8), np.zeros((1, len(STEPS)), np.int32)
     scratch = make_scratch(n)
     count, size, kept = pack(
-        ids, values, starts, wanted, importance, coefficients, scratch, length[0], wavelets, mean,
-        scale, steps,
+        ids, values, starts, wanted, importance, noise, coefficients, scratch, length[0], wavelets,
+        mean, scale, steps,
     )  # fmt: skip
     assert not scratch.energy.any()
     assert (scratch.slot == -1).all()
