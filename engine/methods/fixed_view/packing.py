@@ -21,20 +21,13 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.methods.fixed_view.ray_noise import make_landed, ray_noise
-from engine.methods.fixed_view.rows import (
-    STEPS,
-    TILE,
-    PackedRows,
-    Rows,
-    make_scratch,
-    project,
-    step_units,
-)
+from engine.methods.fixed_view.rows import PackedRows, Rows, make_scratch, project
 from engine.numerics import haar
 from engine.numerics.borrow import borrow
+from engine.numerics.packed import STEPS, TILE, step_units
 
 transform = haar.transform
-UNITS = step_units()
+UNIT_OF = step_units()
 # Bytes of a wavelet, and of the steps that lead from none to 4, 16, 64.
 PRICE = 0.125
 COSTS = (12.0, 4.0, 12.0, 48.0)
@@ -46,9 +39,12 @@ LONGEST = 8  # a tile's list is at most so many times the coefficients asked for
 class Packer:
     """Packs tile after tile, with room for it."""
 
-    def __init__(self, importance: NDArray[np.float32], coefficients: int) -> None:
-        """importance (n_g,) and coefficients as `pack` wants them."""
+    def __init__(
+        self, importance: NDArray[np.float32], coefficients: int, chance: float = 1.0
+    ) -> None:
+        """importance (n_g,) and coefficients as `pack` wants them; chance as `ray_noise`."""
         self._importance, self._coefficients = importance, coefficients
+        self._chance = chance
         self._depth = haar.levels(len(importance))
         self._scratch, self._landed = make_scratch(len(importance)), make_landed(len(importance))
         self._noise = np.zeros(len(importance), np.float32)
@@ -67,11 +63,8 @@ class Packer:
                 break
             room = 2 * len(self._ids)
             self._ids, self._values = np.zeros(room, np.int32), np.zeros(room, np.float32)
-        rays = rows.first[-1]
-        ray_noise(
-            rows.cluster[:rays], rows.weight[:rays], max(1, wanted.sum()), self._depth,
-            self._landed, self._noise,
-        )  # fmt: skip
+        count = max(1, int(wanted.sum()))
+        ray_noise(*rows, count, self._chance, self._depth, self._landed, self._noise)
         length = np.zeros((1, len(STEPS)), np.int32)
         n, size, kept = pack(
             self._ids, self._values, self._starts, wanted, self._importance, self._noise,
@@ -97,7 +90,8 @@ def pack(
 
     ids, values, starts as from `rows.project`, for 64 rows; wanted (64,) bool, whether a row stands
     for a point; importance (n_g,) float32 weighs the coefficients of one wavelet against those of
-    others, noise (n_g,) float32 is their variance by chance. out_length (4,), out_ids, out_mean, out_scale (k,), out_steps (64 k,) get the tile as in
+    others, noise (n_g,) float32 is their variance by chance. out_length (4,), out_ids, out_mean,
+    out_scale (k,), out_steps (64 k,) get the tile as in
     `PackedRows`, with k wavelets at most. Returns the number of wavelets, the number of steps, and
     the share of the weighted energy that they keep.
     """
@@ -140,7 +134,7 @@ def pack(
         for c in range(len(candidates)):
             if width[c] == max(1, STEPS[k]):
                 out_ids[count] = mine[candidates[c]]
-                out_mean[count] = table[0, c] / UNITS[0]
+                out_mean[count] = table[0, c] / UNIT_OF[0]
                 out_scale[count] = _quantise(table[:, c], out_steps[size : size + STEPS[k]])
                 out_length[k] += 1
                 count += 1
@@ -222,10 +216,10 @@ def _quantise(coefficients, steps):
     """Fill the steps (n,) but the first; returns the value of one."""
     largest = 0.0
     for q in range(1, steps.shape[0]):
-        largest = max(largest, abs(coefficients[q]) / UNITS[q])
+        largest = max(largest, abs(coefficients[q]) / UNIT_OF[q])
     step = largest / 127.0
     steps[:] = 0
     if step > 0.0:
         for q in range(1, steps.shape[0]):
-            steps[q] = int(np.rint(coefficients[q] / UNITS[q] / step))
+            steps[q] = int(np.rint(coefficients[q] / UNIT_OF[q] / step))
     return step

@@ -10,15 +10,9 @@ from engine.methods.fixed_view.gather import Job, cosine_lobes
 from engine.methods.fixed_view.hierarchy import Clusters, build_order, describe_clusters
 from engine.methods.fixed_view.links import Links, find_links, hide, room_for_links
 from engine.methods.fixed_view.packing import pack
-from engine.methods.fixed_view.rows import (
-    STEPS,
-    TILE,
-    PackedRows,
-    make_scratch,
-    project,
-    step_units,
-)
+from engine.methods.fixed_view.rows import PackedRows, make_scratch, project
 from engine.numerics.haar import forward, inverse
+from engine.numerics.packed import STEPS, TILE, step_units
 from engine.scene.rays import RayTracer
 
 LINK, PATCH = 0.05, 0.5
