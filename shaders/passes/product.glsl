@@ -1,10 +1,11 @@
 // Packed rows times a light in wavelet space; twin of engine/backend/cpu/product.py.
 //
-// A work group takes a tile. Four steps lie together in a word. A wavelet has 16 words, 4, 1 or none;
-// for each kind the threads share the wavelets among them, as many as it has words side by side, and
-// in the end the shares are added.
+// A work group takes a tile. Four steps lie together in a word. A wavelet has WORDS_0 words, WORDS_1,
+// WORDS_2 or none, in units UNIT_2, UNIT_1, UNIT_0 (engine/numerics/packed.py); for each kind the
+// threads share the wavelets among them, as many as it has words side by side, and in the end the
+// shares are added.
 
-layout(local_size_x = 64) in;
+layout(local_size_x = TILE) in;
 
 layout(std430) readonly buffer b_first { int first[]; };     // (tiles, 2) of the list, of its words
 layout(std430) readonly buffer b_length { int length_of[]; }; // (tiles, 4) wavelets of each kind
@@ -23,9 +24,9 @@ struct Sums {
     vec4 red, green, blue;
 };
 
-shared vec3 lit[64]; // scale times light of the wavelets at hand
-shared vec4 shares[3][64];
-shared float sums[3][64];
+shared vec3 lit[TILE]; // scale times light of the wavelets at hand
+shared vec4 shares[3][TILE];
+shared float sums[3][TILE];
 
 int thread = int(gl_LocalInvocationID.x);
 
@@ -33,7 +34,7 @@ int thread = int(gl_LocalInvocationID.x);
 void add(inout Sums s, int start, int k, int end, int words, int word)
 {
     int skipped = max(0, start - k);
-    for (int j = k + skipped + thread / words; j < min(end, start + 64); j += 64 / words) {
+    for (int j = k + skipped + thread / words; j < min(end, start + TILE); j += TILE / words) {
         int four = int(steps[word + (j - k) * words + thread % words]);
         vec4 value = vec4(bitfieldExtract(four, 0, 8), bitfieldExtract(four, 8, 8),
                           bitfieldExtract(four, 16, 8), bitfieldExtract(four, 24, 8));
@@ -53,7 +54,7 @@ void collect(Sums s, int words)
     barrier();
     if (thread < 4 * words)
         for (int c = 0; c < 3; c++)
-            for (int k = thread / 4; k < 64; k += words)
+            for (int k = thread / 4; k < TILE; k += words)
                 sums[c][thread] += shares[c][k][thread % 4];
     barrier();
 }
@@ -74,10 +75,10 @@ void main()
         const Sums NONE = Sums(vec4(0.0), vec4(0.0), vec4(0.0));
         Sums of16 = NONE, of4 = NONE, of1 = NONE, means = NONE;
         int k16 = first[2 * t], w16 = first[2 * t + 1];
-        int k4 = k16 + length_of[4 * t], w4 = w16 + 16 * (k4 - k16);
-        int k1 = k4 + length_of[4 * t + 1], w1 = w4 + 4 * (k1 - k4);
+        int k4 = k16 + length_of[4 * t], w4 = w16 + WORDS_0 * (k4 - k16);
+        int k1 = k4 + length_of[4 * t + 1], w1 = w4 + WORDS_1 * (k1 - k4);
         int k0 = k1 + length_of[4 * t + 2], end = k0 + length_of[4 * t + 3];
-        for (int start = k16; start < end; start += 64) {
+        for (int start = k16; start < end; start += TILE) {
             barrier(); // the last lights have been used
             int mine = start + thread;
             if (mine < end) {
@@ -90,9 +91,9 @@ void main()
                 means.blue.x += mean[mine] * l.z;
             }
             barrier();
-            add(of16, start, k16, k4, 16, w16);
-            add(of4, start, k4, k1, 4, w4);
-            add(of1, start, k1, k0, 1, w1);
+            add(of16, start, k16, k4, WORDS_0, w16);
+            add(of4, start, k4, k1, WORDS_1, w4);
+            add(of1, start, k1, k0, WORDS_2, w1);
         }
         for (int c = 0; c < 3; c++)
             sums[c][thread] = 0.0;
@@ -100,21 +101,21 @@ void main()
         of1.red += means.red;
         of1.green += means.green;
         of1.blue += means.blue;
-        collect(of16, 16);
-        collect(of4, 4);
-        collect(of1, 1);
+        collect(of16, WORDS_0);
+        collect(of4, WORDS_1);
+        collect(of1, WORDS_2);
 
         // From what the tile has in common to its rows, by the inverse Haar transform.
         if (thread < u_rows) {
-            int place = places[u_rows * t + thread], row = thread * (64 / u_rows);
+            int place = places[u_rows * t + thread], row = thread * (TILE / u_rows);
             for (int c = 0; c < 3 && place >= 0; c++) {
                 // A step stands for the square root of the number of rows that it covers.
-                float s = 8.0 * sums[c][0];
-                s = child(row >> 4, s, 8.0 * sums[c][1], 8.0 * sums[c][2], 8.0 * sums[c][3]);
+                float s = UNIT_0 * sums[c][0];
+                s = child(row >> 4, s, UNIT_0 * sums[c][1], UNIT_0 * sums[c][2], UNIT_0 * sums[c][3]);
                 int k = 4 + 3 * (row >> 4);
-                s = child(row >> 2 & 3, s, 4.0 * sums[c][k], 4.0 * sums[c][k + 1], 4.0 * sums[c][k + 2]);
+                s = child(row >> 2 & 3, s, UNIT_1 * sums[c][k], UNIT_1 * sums[c][k + 1], UNIT_1 * sums[c][k + 2]);
                 k = 16 + 3 * (row >> 2);
-                s = child(row & 3, s, 2.0 * sums[c][k], 2.0 * sums[c][k + 1], 2.0 * sums[c][k + 2]);
+                s = child(row & 3, s, UNIT_2 * sums[c][k], UNIT_2 * sums[c][k + 1], UNIT_2 * sums[c][k + 2]);
                 result[3 * place + c] = s;
             }
         }

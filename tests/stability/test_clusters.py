@@ -13,7 +13,7 @@ from methods.scenes import POINT, camera, scene, white_room
 
 from engine.backend.cpu.product import multiply
 from engine.methods.direct_to_indirect import Transfer
-from engine.methods.fixed_view.rows import TILE
+from engine.numerics.packed import TILE
 from engine.reference import render
 from engine.reference.result import Reference
 from engine.scene.edits import Edits

@@ -17,11 +17,11 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.numerics import haar
+from engine.numerics.packed import STEPS, TILE, step_units
 from engine.numerics.parallel import for_ranges
 
 restore = haar.restore
-TILE = 64
-STEPS = np.array([64, 16, 4, 0])
+UNIT_OF = step_units()
 
 
 def multiply(
@@ -91,7 +91,7 @@ def _from(steps, start, number, width):
     return steps[start + number * width : start + (number + 1) * width]
 
 
-_add64, _add16, _add4 = (_adder(int(width)) for width in STEPS[:3])
+_add64, _add16, _add4 = (_adder(width) for width in STEPS[:3])
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
@@ -118,7 +118,7 @@ def _multiply_tiles(start, stop, first, begin, length, ids, mean, scale, steps, 
 
         # From what the tile has in common to its rows.
         for q in range(TILE):
-            unit = np.float32(8 if q < 4 else 4 if q < 16 else 2)
+            unit = UNIT_OF[q]
             sums[q, 0], sums[q, 1], sums[q, 2] = unit * red[q], unit * green[q], unit * blue[q]
         rows = restore(sums)
         for p in range(places.shape[1]):

@@ -7,8 +7,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.backend.cpu.product import STEPS
 from engine.backend.gl.context import MOST_GROUPS, Device
+from engine.numerics.packed import STEPS, TILE, UNITS
+
+WORD = 4  # steps
+DEFINES = {
+    "TILE": TILE,
+    **{f"WORDS_{k}": count // WORD for k, count in enumerate(STEPS[:3])},
+    **{f"UNIT_{k}": unit for k, unit in enumerate(UNITS)},
+}
 
 
 class Rows:
@@ -25,7 +32,7 @@ class Rows:
     ) -> None:
         """Arrays as of a `PackedRows`: uploaded once."""
         self._device = device
-        words = length @ STEPS // 4
+        words = length @ STEPS // WORD
         ends = np.cumsum(np.stack([length.sum(axis=1), words], axis=1), axis=0)
         first = np.concatenate([np.zeros((1, 2), np.int64), ends]).astype(np.int32)
         self._buffers = {
@@ -39,7 +46,7 @@ class Rows:
 
     def multiply(self, light: Any, places: Places, out: Any) -> None:
         """Matrix times light (n_g, 3), each row to its place in out (n, 3), all buffers."""
-        program = self._device.program("passes/product.glsl")
+        program = self._device.program("passes/product.glsl", DEFINES)
         buffers = {
             **self._buffers, "b_light": light, "b_places": places.buffer, "b_out": out
         }  # fmt: skip

@@ -32,8 +32,9 @@ VERSION = 12  # of the stored arrays and of what they mean
 # Settings that the matrices do not depend on.
 AT_RUN_TIME = ("bounces",)
 
-# Gloss shows the details of an environment: off by 4.5 % in place of 10.6 for rough metal.
-FINER = 4
+# Wavelets of the environment by those of surfaces. Gloss shows its details: rough metal is off by
+# 4.5 % in place of 10.6. What matt surfaces get of more is noise: a window's light 7.2 for 6.8 %.
+OF_ENVIRONMENT = {"bounce": 0.5, "final": 0.5, "gloss": 4.0}
 
 # One bounce, F_d and F_g.
 MATRICES = ("bounce", "final", "gloss")
@@ -155,7 +156,7 @@ def _job(
         link_size=link_size,
         patch_size=s.patch_size,
         coefficients=coefficients,
-        environment_coefficients=FINER * coefficients if gloss else coefficients,
+        environment_coefficients=max(1, int(OF_ENVIRONMENT[name] * coefficients)),
         seed=s.seed + 1 + MATRICES.index(name),
         rays=scene.rays,
     )

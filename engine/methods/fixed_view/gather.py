@@ -24,7 +24,9 @@ from engine.methods.fixed_view.links import closure, find_links, hide, room_for_
 from engine.methods.fixed_view.nearest import Grid, build_grid
 from engine.methods.fixed_view.openings import aim_through, open_cells, share
 from engine.methods.fixed_view.packing import Packer
-from engine.methods.fixed_view.rows import TILE, Rows
+from engine.methods.fixed_view.ray_noise import STRATIFIED
+from engine.methods.fixed_view.rows import Rows
+from engine.numerics.packed import TILE
 from engine.scene.rays import RayTracer
 
 CHUNK_TILES = 64
@@ -110,7 +112,7 @@ def gather_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     tiles = job.tiles[chunk * CHUNK_TILES : (chunk + 1) * CHUNK_TILES]
     gather = _Rays(job) if job.count else _Links(job)
     surfaces = Packer(job.importance, job.coefficients)
-    beyond = Packer(environment_importance(), job.environment_coefficients)
+    beyond = Packer(environment_importance(), job.environment_coefficients, STRATIFIED)
     kept = np.ones(len(tiles), np.float32)
     rays = np.zeros(len(tiles), np.int64)
     for t, index in enumerate(tiles):

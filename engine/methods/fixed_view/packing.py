@@ -20,22 +20,16 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.methods.fixed_view.rows import (
-    STEPS,
-    TILE,
-    PackedRows,
-    Rows,
-    make_scratch,
-    project,
-    step_units,
-)
+from engine.methods.fixed_view.ray_noise import make_landed, ray_noise
+from engine.methods.fixed_view.rows import PackedRows, Rows, make_scratch, project
 from engine.numerics import haar
 from engine.numerics.borrow import borrow
+from engine.numerics.packed import STEPS, TILE, step_units
 
 transform = haar.transform
-UNITS = step_units()
+UNIT_OF = step_units()
 # Bytes of a wavelet, and of the steps that lead from none to 4, 16, 64.
-PRICE = 0.5
+PRICE = 0.125
 COSTS = (12.0, 4.0, 12.0, 48.0)
 
 
@@ -45,11 +39,15 @@ LONGEST = 8  # a tile's list is at most so many times the coefficients asked for
 class Packer:
     """Packs tile after tile, with room for it."""
 
-    def __init__(self, importance: NDArray[np.float32], coefficients: int) -> None:
-        """importance (n_g,) and coefficients as `pack` wants them."""
+    def __init__(
+        self, importance: NDArray[np.float32], coefficients: int, chance: float = 1.0
+    ) -> None:
+        """importance (n_g,) and coefficients as `pack` wants them; chance as `ray_noise`."""
         self._importance, self._coefficients = importance, coefficients
+        self._chance = chance
         self._depth = haar.levels(len(importance))
-        self._scratch = make_scratch(len(importance))
+        self._scratch, self._landed = make_scratch(len(importance)), make_landed(len(importance))
+        self._noise = np.zeros(len(importance), np.float32)
         self._ids, self._values = np.zeros(1 << 19, np.int32), np.zeros(1 << 19, np.float32)
         self._starts = np.zeros(TILE + 1, np.int64)
         most = LONGEST * coefficients
@@ -65,10 +63,13 @@ class Packer:
                 break
             room = 2 * len(self._ids)
             self._ids, self._values = np.zeros(room, np.int32), np.zeros(room, np.float32)
+        count = max(1, int(wanted.sum()))
+        ray_noise(*rows, count, self._chance, self._depth, self._landed, self._noise)
         length = np.zeros((1, len(STEPS)), np.int32)
         n, size, kept = pack(
-            self._ids, self._values, self._starts, wanted, self._importance, self._coefficients,
-            self._scratch, length[0], self._wavelets, self._mean, self._scale, self._steps,
+            self._ids, self._values, self._starts, wanted, self._importance, self._noise,
+            self._coefficients, self._scratch, length[0], self._wavelets, self._mean, self._scale,
+            self._steps,
         )  # fmt: skip
         ids, mean, scale = self._wavelets[:n], self._mean[:n], self._scale[:n]
         steps = self._steps[:size].copy()
@@ -82,14 +83,15 @@ class Packer:
 
 @njit(cache=True, nogil=True)
 def pack(
-    ids, values, starts, wanted, importance, coefficients, scratch, out_length, out_ids, out_mean,
-    out_scale, out_steps,
+    ids, values, starts, wanted, importance, noise, coefficients, scratch, out_length, out_ids,
+    out_mean, out_scale, out_steps,
 ):  # fmt: skip
     """Choose one tile's wavelets and quantise them.
 
     ids, values, starts as from `rows.project`, for 64 rows; wanted (64,) bool, whether a row stands
     for a point; importance (n_g,) float32 weighs the coefficients of one wavelet against those of
-    others. out_length (4,), out_ids, out_mean, out_scale (k,), out_steps (64 k,) get the tile as in
+    others, noise (n_g,) float32 is their variance by chance. out_length (4,), out_ids, out_mean,
+    out_scale (k,), out_steps (64 k,) get the tile as in
     `PackedRows`, with k wavelets at most. Returns the number of wavelets, the number of steps, and
     the share of the weighted energy that they keep.
     """
@@ -121,17 +123,18 @@ def pack(
     table = transform(table)
 
     # Choose by energy per byte until the share is reached.
-    weight = np.zeros(len(candidates))
+    weight, chance = np.zeros((2, len(candidates)))
     for c in range(len(candidates)):
         weight[c] = importance[mine[candidates[c]]] ** 2
-    width, kept = _choose_widths(table, weight, price, rest)
+        chance[c] = noise[mine[candidates[c]]]
+    width, kept = _choose_widths(table, weight, chance, price, rest)
     count = size = 0
     for k in range(len(STEPS)):
         out_length[k] = 0
         for c in range(len(candidates)):
             if width[c] == max(1, STEPS[k]):
                 out_ids[count] = mine[candidates[c]]
-                out_mean[count] = table[0, c] / UNITS[0]
+                out_mean[count] = table[0, c] / UNIT_OF[0]
                 out_scale[count] = _quantise(table[:, c], out_steps[size : size + STEPS[k]])
                 out_length[k] += 1
                 count += 1
@@ -183,24 +186,25 @@ def _fill_unwanted(table, wanted):
 
 
 @njit
-def _choose_widths(table, weight, price, rest):
+def _choose_widths(table, weight, noise, price, rest):
     """(coefficients to keep of each column (k,), share of the energy that they hold).
 
-    table (64, k) are coefficients over the tile, weight (k,) factors on their energy; `rest` is the
-    energy of what is not in the table.
+    table (64, k) are coefficients over the tile, noise (k,) the variance of each by chance, weight
+    (k,) factors on their energy; `rest` is the energy of what is not in the table.
     """
     width = np.zeros(table.shape[1], np.int64)
     kept, total = 0.0, rest
     for c in range(table.shape[1]):
-        # The best of the widths: what it holds, less the price of its bytes.
+        # The best of the widths: what it spares, less the price of its bytes.
         best = held = cost = energy = 0.0
         begin, end = 0, 1
         for k in range(len(COSTS)):
             for q in range(begin, end):
                 energy += weight[c] * table[q, c] ** 2
             cost += COSTS[k]
-            if energy - price * cost > best:
-                best, held, width[c] = energy - price * cost, energy, end
+            worth = energy - 2.0 * end * noise[c] * weight[c] - price * cost
+            if worth > best:
+                best, held, width[c] = worth, energy, end
             begin, end = end, 4 * end
         kept += held
         total += energy
@@ -212,10 +216,10 @@ def _quantise(coefficients, steps):
     """Fill the steps (n,) but the first; returns the value of one."""
     largest = 0.0
     for q in range(1, steps.shape[0]):
-        largest = max(largest, abs(coefficients[q]) / UNITS[q])
+        largest = max(largest, abs(coefficients[q]) / UNIT_OF[q])
     step = largest / 127.0
     steps[:] = 0
     if step > 0.0:
         for q in range(1, steps.shape[0]):
-            steps[q] = int(np.rint(coefficients[q] / UNITS[q] / step))
+            steps[q] = int(np.rint(coefficients[q] / UNIT_OF[q] / step))
     return step

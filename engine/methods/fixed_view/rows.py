@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from engine.methods.fixed_view.hierarchy import level_of, level_start
 from engine.numerics.borrow import borrow
-
-TILE = 64
+from engine.numerics.packed import STEPS
 
 
 class PackedRows(NamedTuple):
@@ -44,10 +43,6 @@ class PackedRows(NamedTuple):
     steps: NDArray[np.int8]
 
 
-# By the places in `length`.
-STEPS = (64, 16, 4, 0)
-
-
 def no_rows(tiles: int) -> PackedRows:
     """So many tiles of zeros."""
     nothing = np.zeros(0, np.float32)
@@ -58,13 +53,6 @@ def no_rows(tiles: int) -> PackedRows:
         nothing,
         np.zeros(0, np.int8),
     )
-
-
-def step_units() -> NDArray[np.float32]:
-    """(64,) float32: square root of the number of a tile's rows that each step covers."""
-    unit = np.full(TILE, 2, np.float32)
-    unit[:16], unit[:4] = 4, 8
-    return unit
 
 
 class Rows(NamedTuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.methods.fixed_view.rows import TILE
+from engine.numerics.packed import TILE
 
 SIDE = 8
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from methods.fixed_view.gather_matrix import unpacked
 
-from engine.backend.cpu.product import TILE, multiply
-from engine.methods.fixed_view.rows import STEPS, PackedRows
+from engine.backend.cpu.product import multiply
+from engine.methods.fixed_view.rows import PackedRows
+from engine.numerics.packed import STEPS, TILE
 
 N = 256
 

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from backend.cpu.test_product import random_light, random_rows, random_steps, shuffled
 
-from engine.backend.cpu.product import TILE, multiply
+from engine.backend.cpu.product import multiply
 from engine.backend.gl.context import Device
 from engine.backend.gl.haar import Haar
 from engine.backend.gl.product import Places, Rows
 from engine.methods.fixed_view.rows import PackedRows, no_rows
 from engine.numerics import haar
+from engine.numerics.packed import TILE
 
 pytestmark = pytest.mark.gl
 

@@ -10,15 +10,9 @@ from engine.methods.fixed_view.gather import Job, cosine_lobes
 from engine.methods.fixed_view.hierarchy import Clusters, build_order, describe_clusters
 from engine.methods.fixed_view.links import Links, find_links, hide, room_for_links
 from engine.methods.fixed_view.packing import pack
-from engine.methods.fixed_view.rows import (
-    STEPS,
-    TILE,
-    PackedRows,
-    make_scratch,
-    project,
-    step_units,
-)
+from engine.methods.fixed_view.rows import PackedRows, make_scratch, project
 from engine.numerics.haar import forward, inverse
+from engine.numerics.packed import STEPS, TILE, step_units
 from engine.scene.rays import RayTracer
 
 LINK, PATCH = 0.05, 0.5
@@ -96,17 +90,20 @@ def projected(room: Links, blocked: np.ndarray, samples: Cloud):
     return ids[:count], values[:count], starts
 
 
-def packed(ids, values, starts, n: int, coefficients: int, importance=None, wanted=None):
+def packed(
+    ids, values, starts, n: int, coefficients: int, importance=None, wanted=None, noise=0.0
+):  # fmt: skip
     """(PackedRows of one tile, share of energy kept)."""
     importance = np.ones(n, np.float32) if importance is None else importance
+    noise = np.full(n, noise, np.float32)
     wanted = np.ones(TILE, np.bool_) if wanted is None else wanted
     most = min(8 * coefficients, 4 * n)
     wavelets, (mean, scale) = np.zeros(most, np.int32), np.zeros((2, most), np.float32)
     steps, length = np.zeros(most * TILE, np.int8), np.zeros((1, len(STEPS)), np.int32)
     scratch = make_scratch(n)
     count, size, kept = pack(
-        ids, values, starts, wanted, importance, coefficients, scratch, length[0], wavelets, mean,
-        scale, steps,
+        ids, values, starts, wanted, importance, noise, coefficients, scratch, length[0], wavelets,
+        mean, scale, steps,
     )  # fmt: skip
     assert not scratch.energy.any()
     assert (scratch.slot == -1).all()

@@ -7,8 +7,8 @@ import pytest
 from methods.fixed_view.gather_matrix import packed, steps_of, unpacked
 
 from engine.methods.fixed_view.packing import PRICE
-from engine.methods.fixed_view.rows import TILE, step_units
 from engine.numerics.haar import forward
+from engine.numerics.packed import TILE, step_units
 
 N = 256
 
