@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from engine.brdf.base import GRAIN
 from engine.brdf.diffuse import Diffuse
 from engine.diagnosis import Diagnosis
 from engine.errors import SceneError
@@ -213,17 +214,24 @@ def _checked(lights: Sequence[Light] | None, folder: Path) -> tuple[Light, ...] 
 def _without_coordinates(
     geometry: Geometry, table: MaterialTable, names: Sequence[str]
 ) -> list[Diagnosis]:
-    """What to say of textured materials on surfaces without texture coordinates."""
+    """What to say of textured or brushed materials on surfaces without texture coordinates."""
     # A vertex may well lie at the origin of the texture, but hardly all of a material's.
     count = np.bincount(geometry.material, minlength=len(names))
     mapped = geometry.material[np.abs(geometry.uvs[geometry.triangles]).max(axis=(1, 2)) > 0]
     bare = (count > 0) & (np.bincount(mapped, minlength=len(names)) == 0)
-    whole = [names[m] for m in np.flatnonzero(bare & (table.maps.max(axis=1) >= 0)).tolist()]
+    textured, brushed = table.maps.max(axis=1) >= 0, table.row[:, GRAIN:].any(axis=1)
     return [
         Diagnosis(
             "no_texture_coordinates",
-            f"material {name!r} has a texture but its surfaces have no texture coordinates: "
+            f"material {names[m]!r} has a texture but its surfaces have no texture coordinates: "
             "one texel colours them all",
         )
-        for name in whole
+        for m in np.flatnonzero(bare & textured).tolist()
+    ] + [
+        Diagnosis(
+            "no_tangents",
+            f"material {names[m]!r} is brushed along the texture coordinates, but its surfaces "
+            "have none: the grain lies as it comes, and may turn where it should run straight",
+        )
+        for m in np.flatnonzero(bare & brushed).tolist()
     ]

@@ -16,7 +16,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.brdf import hemispherical_albedo
-from engine.brdf.base import ROW
+from engine.brdf.base import ROW, without_grain
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.table import INDEX
 from engine.errors import SceneError
@@ -126,7 +126,9 @@ def equivalent_albedo(points: Points) -> NDArray[np.float32]:
     """(n, 3) float32: hemispherical albedo of each point's whole BRDF, gloss included."""
     # An albedo is linear in the diffuse colour, so two per kind of gloss give it for any texture.
     kinds, kind = np.unique(
-        np.column_stack([points.model, points.row[:, 3:]]), axis=0, return_inverse=True
+        np.column_stack([points.model, without_grain(points.row)[:, 3:]]),
+        axis=0,
+        return_inverse=True,
     )
     model = kinds[:, 0].astype(np.int32)
     row = np.zeros((len(kinds), ROW), np.float32)
@@ -167,7 +169,7 @@ def _describe_samples(
         if back[i]:
             g = scale(g, -1.0)
         _, s = surface.normals(geometry, t, b1, b2, g)
-        model[i] = surface.parameters(geometry, materials, t, b1, b2, row[i])
+        model[i] = surface.parameters(geometry, materials, t, b1, b2, s, row[i])
         obj[i] = geometry.object[t]
         material[i] = geometry.material[t]
         for k in range(3):
