@@ -23,11 +23,15 @@ from pydantic import Field
 
 from engine.numerics.description import Description, Radiance
 
-ROW = 16
+ROW = 36
 DIFFUSE = 0  # three places: diffuse reflectance, linear RGB
 SPECULAR = 3  # three places: specular reflectance or reflectance at normal incidence
 ROUGHNESS = 6  # one place: the model's roughness or exponent
 EXTRA = 7  # from here on: the model's own
+# The last two places, for anisotropic models: cosine and sine of the angle from the local x axis to
+# the direction in which the surface is brushed; both 0 for all others. So an integrator need not
+# know of it: it takes any frame about the normal, and who fills in the row says how it lies.
+GRAIN = ROW - 2
 
 
 class Material(Description):
@@ -50,6 +54,17 @@ class Material(Description):
         row[SPECULAR : SPECULAR + 3] = specular
         row[ROUGHNESS] = roughness
         return row
+
+
+def without_grain(rows: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Rows (n, ROW) as they are where the grain lies along the local x axis.
+
+    For what does not depend on azimuth; rows of one material on a curved surface are equal then.
+    """
+    out = rows.copy()
+    out[:, GRAIN] = rows[:, GRAIN:].any(axis=1)
+    out[:, GRAIN + 1] = 0
+    return out
 
 
 @njit
@@ -75,3 +90,17 @@ def share(a, b):
     """Luminance of a as a part of that of a and b together; 1 where both are black."""
     wa, wb = luminance(a), luminance(b)
     return wa / (wa + wb) if wb > 0.0 else 1.0
+
+
+@njit
+def to_grain(p, w):
+    """The local direction w in the frame whose x axis runs along the grain of a row."""
+    c, s = float(p[GRAIN]), float(p[GRAIN + 1])
+    return (c * w[0] + s * w[1], c * w[1] - s * w[0], w[2])
+
+
+@njit
+def from_grain(p, w):
+    """The inverse of `to_grain`."""
+    c, s = float(p[GRAIN]), float(p[GRAIN + 1])
+    return (c * w[0] - s * w[1], c * w[1] + s * w[0], w[2])

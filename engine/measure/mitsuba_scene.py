@@ -9,6 +9,7 @@ Everything here works with whatever variant of Mitsuba is set.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +17,12 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.brdf.ashikhmin_shirley import AshikhminShirley
 from engine.brdf.base import Material
 from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
+from engine.brdf.lafortune import Lafortune
 from engine.errors import InputError
 from engine.light.area import AreaLight
 from engine.light.base import Light
@@ -176,9 +179,21 @@ def _alpha(material: Any) -> float:
     """GGX's α of a lobe; that of a cosine power by Walter et al. 2007, §5.2."""
     if isinstance(material, Ggx):
         return float(max(material.roughness**2, 0.002))
-    # The lobe of a mirror direction is four times as sharp as that of a half vector.
-    exponent = material.exponent if isinstance(material, BlinnPhong) else 4 * material.exponent
+    if isinstance(material, AshikhminShirley):
+        exponent = math.sqrt((material.exponent_u + 1) * (material.exponent_v + 1)) - 1
+    elif isinstance(material, BlinnPhong):
+        exponent = material.exponent
+    else:
+        # The lobe of a mirror direction is four times as sharp as that of a half vector.
+        exponent = 4 * (
+            _sharpest(material) if isinstance(material, Lafortune) else material.exponent
+        )
     return float(np.sqrt(2 / (exponent + 2)))
+
+
+def _sharpest(material: Lafortune) -> float:
+    """Exponent of the lobe that is a highlight, its channels' mean."""
+    return max(sum(lobe.exponent) / 3 for lobe in material.lobes)
 
 
 def _texture(

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from engine.brdf.base import GRAIN
 from engine.brdf.diffuse import Diffuse
 from engine.diagnosis import Diagnosis
 from engine.errors import SceneError
@@ -216,7 +217,7 @@ def _checked(lights: Sequence[Light] | None, folder: Path) -> tuple[Light, ...] 
 def _without_coordinates(
     geometry: Geometry, table: MaterialTable, names: Sequence[str]
 ) -> list[Diagnosis]:
-    """What to say of textured materials on surfaces without texture coordinates."""
+    """What to say of textured or brushed materials on surfaces without texture coordinates."""
     # A vertex may well lie at the origin of the texture, but hardly all of a material's.
     count = np.bincount(geometry.material, minlength=len(names))
     mapped = geometry.material[np.abs(geometry.uvs[geometry.triangles]).max(axis=(1, 2)) > 0]
@@ -233,4 +234,11 @@ def _without_coordinates(
         )
         for which, what, so in lacking
         for m in np.flatnonzero(bare & which).tolist()
+    ] + [
+        Diagnosis(
+            "no_tangents",
+            f"material {names[m]!r} is brushed along the texture coordinates, but its surfaces "
+            "have none: the grain lies as it comes, and may turn where it should run straight",
+        )
+        for m in np.flatnonzero(bare & table.row[:, GRAIN:].any(axis=1)).tolist()
     ]

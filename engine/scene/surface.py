@@ -6,8 +6,11 @@ import math
 
 from numba import njit
 
+from engine.brdf.base import GRAIN
+from engine.numerics.frames import tangents
 from engine.numerics.vec import add, cross, dot, normalize, scale, sub, vec
 from engine.scene.description import TEXTURE_SLOTS
+from engine.scene.tangents import grain
 
 NORMAL_MAP = TEXTURE_SLOTS.index("normal")
 
@@ -125,11 +128,17 @@ def _texel(materials, texture, u, v):
 
 
 @njit
-def parameters(geometry, materials, triangle, b1, b2, out):
-    """Fill out (16,) with the BRDF parameters at a point; returns the model's index."""
+def parameters(geometry, materials, triangle, b1, b2, n, out):
+    """Fill out (ROW,) with the BRDF parameters at a point; returns the model's index.
+
+    n is the shading normal there, about whose frame the grain of an anisotropic material is turned.
+    """
     m = geometry.material[triangle]
     for k in range(out.shape[0]):
         out[k] = materials.row[m, k]
+    if out[GRAIN] != 0.0 or out[GRAIN + 1] != 0.0:
+        s, t = tangents(n)
+        out[GRAIN], out[GRAIN + 1] = grain(geometry, triangle, b1, b2, s, t)
     if materials.maps[m, 0] >= 0 or materials.maps[m, 1] >= 0 or materials.maps[m, 2] >= 0:
         a, b, c = geometry.triangles[triangle]
         u, v = _interpolated(geometry.uvs, (a, b, c), b1, b2)

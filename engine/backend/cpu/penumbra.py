@@ -60,7 +60,7 @@ def smooth_penumbrae(
     The weights are those of a tent, 1 2 1 each way, by which every pixel of a block of 2 x 2 counts
     the same. Averaged is what arrives, not what is reflected, so that textures stay sharp; and on
     one surface alone: a neighbour on another is replaced by the one opposite, which has the same
-    place in its block. row (n, 16) are BRDF parameters, alike (n,) is from `alike_neighbours`.
+    place in its block. row (n, ROW) are BRDF parameters, alike (n,) is from `alike_neighbours`.
     """
     across, out = np.zeros_like(radiance), np.zeros_like(radiance)
     for_ranges(_smooth_across, len(radiance), radiance, row, alike, across)

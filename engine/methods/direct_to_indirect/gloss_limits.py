@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from engine.brdf import hemispherical_albedo
 from engine.brdf import table as brdfs
-from engine.brdf.base import SPECULAR
+from engine.brdf.base import SPECULAR, without_grain
 from engine.diagnosis import Diagnosis
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.surface_points import ALBEDO_POINTS
@@ -34,9 +34,11 @@ evaluate, sample, density = brdfs.evaluate, brdfs.sample, brdfs.pdf
 
 
 def lobe_width(model: NDArray[np.int32], row: NDArray[np.float32]) -> NDArray[np.float64]:
-    """(n,) radians: root mean square angle of glossy lobes (n,), (n, 16) about their mean."""
+    """(n,) radians: root mean square angle of glossy lobes (n,), (n, ROW) about their mean."""
     kinds, kind = np.unique(
-        np.column_stack([model, gloss_of(row)[:, SPECULAR + 3 :]]), axis=0, return_inverse=True
+        np.column_stack([model, without_grain(gloss_of(row))[:, SPECULAR + 3 :]]),
+        axis=0,
+        return_inverse=True,
     )
     lobes = np.zeros((len(kinds), row.shape[1]), np.float32)
     lobes[:, SPECULAR : SPECULAR + 3] = 1  # its colour does not make a lobe wider

@@ -47,7 +47,7 @@ class Points:
     geometric  (n, 3) float32  unit, of the flat triangle, on the side of `view`
     view       (n, 3) float32  unit, towards the eye
     model      (n,) int32      BRDF model; -1 where nothing is hit
-    row        (n, 16) float32 BRDF parameters, textures applied
+    row        (n, ROW) float32 BRDF parameters, textures applied
     object     (n,) int32      -1 where nothing is hit
     material   (n,) int32      -1 where nothing is hit
     phase      (n,) uint8      0 to 15, other than the neighbours': from which places on it a light
@@ -207,7 +207,7 @@ def _describe_hits(
             continue
         p = surface.position(geometry, t, b1[i], b2[i])
         g, s = surface.normals(geometry, materials, t, b1[i], b2[i], vec(view, i))
-        model[i] = surface.parameters(geometry, materials, t, b1[i], b2[i], row[i])
+        model[i] = surface.parameters(geometry, materials, t, b1[i], b2[i], s, row[i])
         obj[i] = geometry.object[t]
         material[i] = geometry.material[t]
         for k in range(3):

@@ -40,7 +40,7 @@ class Lobes(NamedTuple):
 
     view   (n, 3) float32   unit, towards the eye
     model  (n,) int32       BRDF model
-    row    (n, 16) float32  its parameters
+    row    (n, ROW) float32  its parameters
     """
 
     view: NDArray[np.float32]

@@ -46,7 +46,7 @@ def aim(
 ):  # fmt: skip
     """Up to `count` rays from each of the points `index` (b,); -1 is no point.
 
-    position, normal, geometric, view (n, 3), model (n,), row (n, 16) as in `Points`, but with one
+    position, normal, geometric, view (n, 3), model (n,), row (n, ROW) as in `Points`, but with one
     part of the BRDF alone. Fills origin, direction (b * count, 3) and weight (b * count,); row b
     owns first[b] to first[b + 1]. norm (b,) gets π / (a N). Returns the number of rays. The weights
     of a row sum to π, less those of rays that a shading normal sends under the surface.

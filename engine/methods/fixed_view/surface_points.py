@@ -7,7 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.brdf import hemispherical_albedo
-from engine.brdf.base import ROW
+from engine.brdf.base import ROW, without_grain
 from engine.methods.fixed_view.frame_buffer import Points, no_points
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import scale
@@ -20,7 +20,7 @@ ALBEDO_POINTS = 256
 def equivalent_albedo(points: Points) -> NDArray[np.float32]:
     """(n, 3) float32: hemispherical albedo of each point's whole BRDF, gloss included."""
     # An albedo is linear in the diffuse colour, so two per kind of gloss give it for any texture.
-    kinds, kind = _kinds(np.column_stack([points.model, points.row[:, 3:]]))
+    kinds, kind = _kinds(np.column_stack([points.model, without_grain(points.row)[:, 3:]]))
     model = kinds[:, 0].astype(np.int32)
     row = np.zeros((len(kinds), ROW), np.float32)
     row[:, 3:] = kinds[:, 1:]
@@ -74,7 +74,7 @@ def _describe_samples(
         if back[i]:
             g = scale(g, -1.0)
         _, s = surface.normals(geometry, materials, t, b1, b2, g)
-        model[i] = surface.parameters(geometry, materials, t, b1, b2, row[i])
+        model[i] = surface.parameters(geometry, materials, t, b1, b2, s, row[i])
         obj[i] = geometry.object[t]
         material[i] = geometry.material[t]
         for k in range(3):

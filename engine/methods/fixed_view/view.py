@@ -35,8 +35,9 @@ from engine.methods.fixed_view.direct import (
 )
 from engine.methods.fixed_view.frame_buffer import FrameBuffer, Points, pixel_phase
 from engine.numerics.borrow import borrow
+from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
-from engine.numerics.vec import dot, scale, sub, vec
+from engine.numerics.vec import dot, normalize, scale, sub, vec
 from engine.scene.scene import Scene
 
 emitted_by = lights.emitted
@@ -185,10 +186,8 @@ def _reflectance(points: Points) -> Reflectance:
     gloss = np.zeros_like(matt)
     glossy = np.flatnonzero((points.row[:, 3:6].max(axis=1, initial=0) > 0) & (points.model >= 0))
     if len(glossy):
-        cosine = np.einsum("ij,ij->i", points.view[glossy], points.normal[glossy])
         wo = np.zeros((len(glossy), 3))
-        wo[:, 2] = np.clip(cosine, 1e-3, 1)
-        wo[:, 0] = np.sqrt(1 - wo[:, 2] ** 2)
+        for_ranges(_local_views, len(glossy), points.view[glossy], points.normal[glossy], wo)
         model, row = points.model[glossy], points.row[glossy]
         whole = albedo(model, row, wo, ALBEDO_POINTS)
         gloss[glossy] = albedo(model, gloss_of(row), wo, ALBEDO_POINTS)
@@ -197,10 +196,20 @@ def _reflectance(points: Points) -> Reflectance:
 
 
 def gloss_of(row: NDArray[np.float32]) -> NDArray[np.float32]:
-    """BRDF parameters (n, 16) without their diffuse part."""
+    """BRDF parameters (n, ROW) without their diffuse part."""
     out = row.copy()
     out[:, DIFFUSE : DIFFUSE + 3] = 0
     return out
+
+
+@njit(cache=True, nogil=True)
+def _local_views(start, stop, view, normal, out):
+    """Fill out (n, 3) with the directions to the eye in the frames of the normals."""
+    for i in range(start, stop):
+        n = vec(normal, i)
+        s, t = tangents(n)
+        x, y, z = to_local(vec(view, i), s, t, n)
+        out[i, 0], out[i, 1], out[i, 2] = normalize((x, y, max(1e-3, z)))
 
 
 @njit(cache=True, nogil=True)
