@@ -31,6 +31,7 @@ from engine.methods.direct_to_indirect.reflected import (
     glossy_pixels,
 )
 from engine.methods.direct_to_indirect.settings import Settings
+from engine.methods.direct_to_indirect.standing import StandingLight, both
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.direct import light_on_points
 from engine.methods.fixed_view.nearest import build_grid
@@ -72,6 +73,7 @@ class Transfer:
         self._reflects = len(gloss.ids) + len(environment.gloss.ids) > 0
         self._environment = EnvironmentLight(cloud, environment, self._tiles)
         self._bounces = Bounces(view.scene, cloud, bounce, settings.bounces, settings.seed)
+        self._bounced = StandingLight(self._bounces, cloud, self._environment)
         points = cloud.points
         nearby = build_grid(points.position, points.geometric, cloud.area)
         self._balance = LightBalance(view.scene, cloud, nearby)
@@ -145,15 +147,19 @@ class Transfer:
         except BackendError as error:
             self._gl, self._gl_failed = None, instead_of_gl(error)
             return None
-        return image, self._bounces.missing(powers), clock.timings()
+        unsure, power = self._bounces.unsure(powers, self._bounces.of_lights)
+        bounced = self._bounced(environment)
+        missing = (unsure + bounced.unsure) / max(power + bounced.power, 1e-30)
+        return image, missing, clock.timings()
 
     def _standing(self, environment: Environment | None, scale: int) -> Standing:
         backdrop = self.view.backdrop.picture(environment)
         if environment is None:
-            return Standing(backdrop)
+            return Standing(backdrop, self._bounced(None).total)
         light, n = self._environment, len(self.view.points(scale))
         light.use(environment)
-        return Standing(backdrop, light.gather, *light.view(scale, n), light.suns)
+        bounced = self._bounced(environment).total
+        return Standing(backdrop, bounced, *light.view(scale, n), light.suns)
 
     def _on_cpu(
         self, lights: tuple[Light, ...], environment: Environment | None, scale: int
@@ -163,24 +169,27 @@ class Transfer:
         if environment is not None:
             with clock("environment"):
                 self._environment.use(environment)
+                self._bounced(environment)
         suns = self._environment.suns if environment is not None else ()
 
         # Direct light on gather samples: g.
         with clock("gather_direct"):
             g = self._on_cloud(lights + suns)
-            if environment is not None:
-                g += self._environment.gather
 
         # Bounces within the cloud: (I + P + ... + P^b) g, from here on in wavelet space.
         with clock("bounces"):
-            total, missing = self._bounces(haar.forward(g))
+            bounced = self._bounced(environment)
+            if g.any():
+                bounced = both(bounced, self._bounces(haar.forward(g), self._bounces.of_lights))
 
         # Final gather, and direct light on view samples.
         with clock("final_gather"):
             tiles, n = self._tiles[scale], len(view.points(scale))
-            arriving = multiply(*self.final, total, tiles, n)
+            arriving = multiply(*self.final, bounced.total, tiles, n)
             # Without glossy pixels nothing takes this up: no need to make zeros of it.
-            mirrored = multiply(*self.gloss, total, tiles, n) if self._reflects else arriving
+            mirrored = (
+                multiply(*self.gloss, bounced.total, tiles, n) if self._reflects else arriving
+            )
         if environment is not None:
             with clock("environment_view"):
                 matt, gloss = self._environment.view(scale, n)
@@ -191,7 +200,7 @@ class Transfer:
             image = view.direct(lights, scale, environment, suns)
         with clock("compose"):
             self._compose(arriving, mirrored, image, scale)
-        return image, missing, clock.timings()
+        return image, bounced.unsure / max(bounced.power, 1e-30), clock.timings()
 
     def _parts(self) -> Parts:
         return Parts(
@@ -200,13 +209,8 @@ class Transfer:
         )  # fmt: skip
 
     def _on_cloud(self, lights: tuple[Light, ...]) -> NDArray[np.float32]:
-        """Radiance (n_g, 3) that lights make the gather samples reflect, and what they emit."""
-        lit = self.view.pictures.total("gather", lights, self._light_on_cloud, len(self.cloud))
-        lit += self.cloud.emission
-        return lit
-
-    def _caught(self, light: Light) -> NDArray[np.float32]:
-        return self.view.pictures.total("gather", (light,), self._light_on_cloud, len(self.cloud))
+        """Radiance (n_g, 3) that lights make the gather samples reflect."""
+        return self.view.pictures.total("gather", lights, self._light_on_cloud, len(self.cloud))
 
     def _light_on_cloud(self, light: Light) -> NDArray[np.float32]:
         return light_on_points(self.view.scene.rays, self.cloud.points, light)
@@ -243,10 +247,10 @@ class Transfer:
         self, lights: tuple[Light, ...], environment: Environment | None, missing: float
     ) -> tuple[Diagnosis, ...]:
         suns = self._environment.suns if environment is not None else ()
-        first = self._on_cloud(lights + suns)
+        first = self._on_cloud(lights + suns) + self.cloud.emission
         if environment is not None:
             first += self._environment.gather
-        balance = self._balance(lights, self._caught)
+        balance = self._balance(lights, lambda light: self._on_cloud((light,)))
         said = (*self._of_view, self._caustics(first), balance)
         found = [warning for warning in said if warning is not None]
         if environment is not None:
