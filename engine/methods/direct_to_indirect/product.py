@@ -32,6 +32,7 @@ from engine.methods.direct_to_indirect.reflected import (
     glossy_pixels,
 )
 from engine.methods.direct_to_indirect.settings import Settings
+from engine.methods.direct_to_indirect.standing import StandingLight, both
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.direct import light_on_points
 from engine.methods.fixed_view.nearest import build_grid
@@ -50,7 +51,7 @@ class Drawn(NamedTuple):
 
     image         (n, 3)
     missing       what the bounces may miss of all light
-    first         () -> (n_g, 3), all light that the cloud reflects first, and what it emits
+    first         () -> (n_g, 3), what the cloud reflects of all lights first
     first_of      light -> (n_g, 3), the same of one light
     timings       seconds by part
     """
@@ -87,6 +88,7 @@ class Transfer:
         self._reflects = len(gloss.ids) + len(environment.gloss.ids) > 0
         self._environment = EnvironmentLight(cloud, environment, self._tiles)
         self._bounces = Bounces(view.scene, cloud, bounce, settings.bounces, settings.seed)
+        self._bounced = StandingLight(self._bounces, cloud, self._environment)
         points = cloud.points
         nearby = build_grid(points.position, points.geometric, cloud.area)
         self._balance = LightBalance(view.scene, cloud, nearby)
@@ -168,16 +170,19 @@ class Transfer:
         with clock("environment"):
             standing = self._standing(environment, scale)
         image, powers = gl.draw(lights, standing, scale, clock)
-        missing = self._bounces.missing(powers)
+        unsure, power = self._bounces.unsure(powers, self._bounces.of_lights)
+        bounced = self._bounced(environment)
+        missing = (unsure + bounced.unsure) / max(power + bounced.power, 1e-30)
         return Drawn(image, missing, gl.first, gl.first_of, clock.timings())
 
     def _standing(self, environment: Environment | None, scale: int) -> Standing:
         backdrop = self.view.backdrop.picture(environment)
         if environment is None:
-            return Standing(backdrop)
+            return Standing(backdrop, self._bounced(None).total)
         light, n = self._environment, len(self.view.points(scale))
         light.use(environment)
-        return Standing(backdrop, light.gather, *light.view(scale, n), light.suns)
+        bounced = self._bounced(environment).total
+        return Standing(backdrop, bounced, *light.view(scale, n), light.suns)
 
     def _on_cpu(
         self, lights: tuple[Light, ...], environment: Environment | None, scale: int
@@ -187,25 +192,27 @@ class Transfer:
         if environment is not None:
             with clock("environment"):
                 self._environment.use(environment)
+                self._bounced(environment)
         suns = self._environment.suns if environment is not None else ()
 
         # Direct light on gather samples: g.
         with clock("gather_direct"):
             g = self._on_cloud(lights + suns)
-            g += self.cloud.emission
-            if environment is not None:
-                g += self._environment.gather
 
         # Bounces within the cloud: (I + P + ... + P^b) g, from here on in wavelet space.
         with clock("bounces"):
-            total, missing = self._bounces(haar.forward(g))
+            bounced = self._bounced(environment)
+            if g.any():
+                bounced = both(bounced, self._bounces(haar.forward(g), self._bounces.of_lights))
 
         # Final gather, and direct light on view samples.
         with clock("final_gather"):
             tiles, n = self._tiles[scale], len(view.points(scale))
-            arriving = multiply(*self.final, total, tiles, n)
+            arriving = multiply(*self.final, bounced.total, tiles, n)
             # Without glossy pixels nothing takes this up: no need to make zeros of it.
-            mirrored = multiply(*self.gloss, total, tiles, n) if self._reflects else arriving
+            mirrored = (
+                multiply(*self.gloss, bounced.total, tiles, n) if self._reflects else arriving
+            )
         if environment is not None:
             with clock("environment_view"):
                 matt, gloss = self._environment.view(scale, n)
@@ -216,6 +223,7 @@ class Transfer:
             image = view.direct(lights, scale, environment, suns)
         with clock("compose"):
             self._compose(arriving, mirrored, image, scale)
+        missing = bounced.unsure / max(bounced.power, 1e-30)
         return Drawn(image, missing, lambda: g, self._first_of, clock.timings())
 
     def _parts(self) -> Parts:
@@ -266,7 +274,12 @@ class Transfer:
         self, lights: tuple[Light, ...], environment: Environment | None, drawn: Drawn
     ) -> tuple[Diagnosis, ...]:
         balance, missing = self._balance(lights, drawn.first_of), drawn.missing
-        said = (*self._of_view, self._caustics(drawn.first), balance)
+
+        def first() -> NDArray[np.float32]:
+            standing = self._environment.gather if environment is not None else np.float32(0)
+            return drawn.first() + self.cloud.emission + standing
+
+        said = (*self._of_view, self._caustics(first), balance)
         found = [warning for warning in said if warning is not None]
         if environment is not None:
             found += self._environment.warnings(self._settings.view_rays)

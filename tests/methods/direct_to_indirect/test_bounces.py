@@ -40,7 +40,7 @@ def applied(product: Transfer, g: NDArray[np.float32]) -> NDArray[np.float32]:
     """The product's sum of its bounces (n_g, 3), without what it guesses of those that follow."""
     one = product._bounces
     light, total = haar.forward(g), np.zeros_like(g)
-    for gain in one.gains:
+    for gain in one.of_lights.gains:
         light = one._one_bounce(light, gain)
         total += light
     return haar.inverse(total)
