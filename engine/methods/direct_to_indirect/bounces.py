@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.backend.cpu.product import multiply
+from engine.diagnosis import Diagnosis
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.direct import light_on_points
 from engine.methods.fixed_view.importance import trial_lights
@@ -17,6 +18,7 @@ from engine.numerics import haar
 from engine.scene.scene import Scene
 
 TRIALS, TAIL_BOUNCES = 25, 16
+NEGLIGIBLE = 0.02  # of all light: what the bounces may miss before the user is told
 MOST_DECAY = 0.99  # a room that keeps more than this of its light per bounce is not believed
 
 
@@ -98,6 +100,17 @@ class Bounces:
         fades = after / np.maximum(before, 1e-30)
         off = np.abs(after * fading.tail * (fades / np.maximum(fading.fades, 1e-30) - 1))
         return float(off.sum()), power
+
+    def truncated(self, missing: float) -> Diagnosis | None:
+        """What to say of the part of all light that may be missing, or too much."""
+        if missing <= NEGLIGIBLE:
+            return None
+        return Diagnosis(
+            "bounces_truncated",
+            f"The light after {self.count} bounces is a guess, and may be {100 * missing:.0f} % of "
+            "all light off; set bounces higher.",
+            missing,
+        )
 
     def fading(self, lights: list[NDArray[np.float32]]) -> Fading:
         """That of the middle one of lights (n_g, 3): in a white cupboard one fades too slowly."""

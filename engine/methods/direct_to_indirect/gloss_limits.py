@@ -84,6 +84,19 @@ def blurred_mirrors(view: View, cloud: GatherCloud, glossy: NDArray[np.bool_]) -
     )
 
 
+def seen_as_matt(glossy: NDArray[np.bool_]) -> Diagnosis | None:
+    """What to say of glossy surfaces in glossy ones; glossy as for `blurred_mirrors`."""
+    share = float(glossy.mean())
+    if share <= NEGLIGIBLE:
+        return None
+    return Diagnosis(
+        "gloss_seen_as_matt",
+        f"Glossy surfaces fill {100 * share:.0f} % of the picture: they reflect the room, but what "
+        "they reflect looks matt in them.",
+        share,
+    )
+
+
 class Caustics:
     """Weighs the light that sharp gloss would throw on."""
 

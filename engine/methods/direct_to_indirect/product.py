@@ -23,7 +23,7 @@ from engine.methods.direct_to_indirect.bounces import Bounces
 from engine.methods.direct_to_indirect.coverage import uncovered
 from engine.methods.direct_to_indirect.environment import EnvironmentLight, EnvironmentRows
 from engine.methods.direct_to_indirect.gl_transfer import GlTransfer, Parts, Standing
-from engine.methods.direct_to_indirect.gloss_limits import Caustics, blurred_mirrors
+from engine.methods.direct_to_indirect.gloss_limits import Caustics, blurred_mirrors, seen_as_matt
 from engine.methods.direct_to_indirect.light_balance import LightBalance
 from engine.methods.direct_to_indirect.reflected import (
     add_at_edges,
@@ -43,7 +43,6 @@ from engine.numerics import haar
 from engine.scene.edits import Edits, edited_environment, edited_lights
 
 NAME = "direct_to_indirect"
-NEGLIGIBLE = 0.02  # of the indirect light: what the bounces may miss before the user is told
 
 
 class Drawn(NamedTuple):
@@ -98,6 +97,7 @@ class Transfer:
         self._of_view = (
             blurred_mirrors(view, cloud, self._glossy),
             uncovered(view, cloud, nearby),
+            seen_as_matt(self._glossy),
         )
         whole = as_gathered(view.reflectance, self._glossy)
         self._sub = as_gathered(view.sub_reflectance, self._glossy[view.buffer.donor])
@@ -279,27 +279,9 @@ class Transfer:
             standing = self._environment.gather if environment is not None else np.float32(0)
             return drawn.first() + self.cloud.emission + standing
 
-        said = (*self._of_view, self._caustics(first), balance)
+        truncated = self._bounces.truncated(missing)
+        said = (*self._of_view, self._caustics(first), balance, truncated)
         found = [warning for warning in said if warning is not None]
         if environment is not None:
             found += self._environment.warnings(self._settings.view_rays)
-        if missing > NEGLIGIBLE:
-            found.append(
-                Diagnosis(
-                    "bounces_truncated",
-                    f"The light after {self._settings.bounces} bounces is a guess, and may be "
-                    f"{100 * missing:.0f} % of all light off; set bounces higher.",
-                    missing,
-                )
-            )
-        glossy = float(self._glossy.mean())
-        if glossy > NEGLIGIBLE:
-            found.append(
-                Diagnosis(
-                    "gloss_seen_as_matt",
-                    f"Glossy surfaces fill {100 * glossy:.0f} % of the picture: they reflect the "
-                    "room, but what they reflect looks matt in them.",
-                    glossy,
-                )
-            )
         return tuple(found)
