@@ -7,11 +7,11 @@
 
 layout(local_size_x = TILE) in;
 
-layout(std430) readonly buffer b_first { int first[]; };     // (tiles, 2) of the list, of its words
+layout(std430) readonly buffer b_first { int first[]; };     // (tiles, 3) of the list, its words, its scales
 layout(std430) readonly buffer b_length { int length_of[]; }; // (tiles, 4) wavelets of each kind
 layout(std430) readonly buffer b_ids { int ids[]; };         // (q)
 layout(std430) readonly buffer b_mean { float mean[]; };     // (q)
-layout(std430) readonly buffer b_scale { float scale[]; };   // (q)
+layout(std430) readonly buffer b_scale { float scale[]; };   // (s) of wavelets that have words
 layout(std430) readonly buffer b_steps { uint steps[]; };    // four signed bytes each
 layout(std430) readonly buffer b_light { float light[]; };   // (n_g, 3)
 layout(std430) readonly buffer b_places { int places[]; };   // (tiles, u_rows) -1 for none
@@ -74,7 +74,7 @@ void main()
     for (int t = int(gl_WorkGroupID.x); t < u_tiles; t += int(gl_NumWorkGroups.x)) {
         const Sums NONE = Sums(vec4(0.0), vec4(0.0), vec4(0.0));
         Sums of16 = NONE, of4 = NONE, of1 = NONE, means = NONE;
-        int k16 = first[2 * t], w16 = first[2 * t + 1];
+        int k16 = first[3 * t], w16 = first[3 * t + 1];
         int k4 = k16 + length_of[4 * t], w4 = w16 + WORDS_0 * (k4 - k16);
         int k1 = k4 + length_of[4 * t + 1], w1 = w4 + WORDS_1 * (k1 - k4);
         int k0 = k1 + length_of[4 * t + 2], end = k0 + length_of[4 * t + 3];
@@ -85,7 +85,8 @@ void main()
                 // Each is fetched by one thread for all.
                 int id = 3 * ids[mine];
                 vec3 l = vec3(light[id], light[id + 1], light[id + 2]);
-                lit[thread] = scale[mine] * l;
+                if (mine < k0)
+                    lit[thread] = scale[first[3 * t + 2] + mine - k16] * l;
                 means.red.x += mean[mine] * l.x;
                 means.green.x += mean[mine] * l.y;
                 means.blue.x += mean[mine] * l.z;

@@ -32,9 +32,9 @@ class Rows:
     ) -> None:
         """Arrays as of a `PackedRows`: uploaded once."""
         self._device = device
-        words = length @ STEPS // WORD
-        ends = np.cumsum(np.stack([length.sum(axis=1), words], axis=1), axis=0)
-        first = np.concatenate([np.zeros((1, 2), np.int64), ends]).astype(np.int32)
+        counts = length.sum(axis=1), length @ STEPS // WORD, length[:, :-1].sum(axis=1)
+        ends = np.cumsum(np.stack(counts, axis=1), axis=0)
+        first = np.concatenate([np.zeros((1, 3), np.int64), ends]).astype(np.int32)
         self._buffers = {
             "b_first": device.upload(first),
             "b_length": device.upload(length),

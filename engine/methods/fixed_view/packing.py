@@ -29,8 +29,8 @@ from engine.numerics.packed import STEPS, TILE, step_units
 transform = haar.transform
 UNIT_OF = step_units()
 # Bytes of a wavelet, and of the steps that lead from none to 4, 16, 64.
-PRICE = 0.125
-COSTS = (12.0, 4.0, 12.0, 48.0)
+PRICE = 1 / 16
+COSTS = (8.0, 8.0, 12.0, 48.0)
 
 
 LONGEST = 8  # a tile's list is at most so many times the coefficients asked for
@@ -71,7 +71,7 @@ class Packer:
             self._coefficients, self._scratch, length[0], self._wavelets, self._mean, self._scale,
             self._steps,
         )  # fmt: skip
-        ids, mean, scale = self._wavelets[:n], self._mean[:n], self._scale[:n]
+        ids, mean, scale = self._wavelets[:n], self._mean[:n], self._scale[: length[0, :-1].sum()]
         steps = self._steps[:size].copy()
         self._tiles.append(PackedRows(length, ids.copy(), mean.copy(), scale.copy(), steps))
         return float(kept)
@@ -135,7 +135,8 @@ def pack(
             if width[c] == max(1, STEPS[k]):
                 out_ids[count] = mine[candidates[c]]
                 out_mean[count] = table[0, c] / UNIT_OF[0]
-                out_scale[count] = _quantise(table[:, c], out_steps[size : size + STEPS[k]])
+                if STEPS[k] > 0:
+                    out_scale[count] = _quantise(table[:, c], out_steps[size : size + STEPS[k]])
                 out_length[k] += 1
                 count += 1
                 size += STEPS[k]

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from engine.methods.fixed_view.hierarchy import level_of, level_start
 from engine.numerics.borrow import borrow
 
-STRATIFIED = 0.5  # of the chance of a lattice: rays of which each has a cell of the sphere
+STRATIFIED = 0.4  # of the chance of a lattice: rays of which each has a cell of the sphere
 
 
 class Landed(NamedTuple):

@@ -32,7 +32,7 @@ class PackedRows(NamedTuple):
                                follow each other, within each those of 64 steps first
     ids      (q,) int32        wavelet
     mean     (q,) float32      of its coefficients over the tile
-    scale    (q,) float32      value of one step
+    scale    (s,) float32      value of one step of those wavelets that have any, in their order
     steps    (bytes,) int8     the steps of all wavelets, in their order
     """
 

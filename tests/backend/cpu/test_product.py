@@ -30,7 +30,7 @@ def random_rows(tiles: int, seed: int = 1, longest: int = 20) -> PackedRows:
         length,
         np.concatenate(ids or [np.zeros(0, int)]).astype(np.int32),
         rng.normal(size=q).astype(np.float32),
-        rng.lognormal(0, 2, q).astype(np.float32),
+        rng.lognormal(0, 2, int(length[:, :-1].sum())).astype(np.float32),
         random_steps(length, rng),
     )
 
@@ -69,8 +69,8 @@ def test_lists_of_every_length(kind: int, count: int):
     length = np.zeros((1, len(STEPS)), np.int32)
     length[0, kind] = count
     matrix = PackedRows(
-        length, rng.permutation(N)[:count].astype(np.int32), *np.ones((2, count), np.float32),
-        random_steps(length, rng),
+        length, rng.permutation(N)[:count].astype(np.int32), np.ones(count, np.float32),
+        np.ones(count if STEPS[kind] else 0, np.float32), random_steps(length, rng),
     )  # fmt: skip
     light = random_light()
     found = multiply(*matrix, light, shuffled(1), TILE)

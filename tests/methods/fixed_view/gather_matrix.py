@@ -109,7 +109,8 @@ def packed(
     assert (scratch.slot == -1).all()
     assert count == length.sum()
     assert size == length[0] @ STEPS
-    rows = PackedRows(length, wavelets[:count], mean[:count], scale[:count], steps[:size])
+    scale = scale[: length[:, :-1].sum()]
+    rows = PackedRows(length, wavelets[:count], mean[:count], scale, steps[:size])
     return rows, kept
 
 
@@ -119,13 +120,20 @@ def steps_of(rows: PackedRows) -> list[np.ndarray]:
     return np.split(rows.steps, np.cumsum(count)[:-1]) if len(count) else []
 
 
+def scales_of(rows: PackedRows) -> np.ndarray:
+    """(q,): the scale of every wavelet, 0 where it has no steps."""
+    scales = np.zeros(len(rows.ids))
+    scales[[len(steps) > 0 for steps in steps_of(rows)]] = rows.scale
+    return scales
+
+
 def unpacked(rows: PackedRows, n: int, points: int = TILE) -> np.ndarray:
     """(tiles * points, n) float64: the rows in wavelet space, dense."""
     out = np.zeros((len(rows.length), TILE, n))
     tile = np.repeat(np.arange(len(rows.length)), rows.length.sum(axis=1))
-    for k, steps in enumerate(steps_of(rows)):
+    for k, (steps, scale) in enumerate(zip(steps_of(rows), scales_of(rows), strict=True)):
         over_tile = np.zeros((TILE, 1))
-        over_tile[: len(steps), 0] = float(rows.scale[k]) * steps
+        over_tile[: len(steps), 0] = scale * steps
         over_tile[0] = rows.mean[k]
         out[tile[k], :, rows.ids[k]] += inverse(over_tile * step_units()[:, None])[:, 0]
     return out[:, :points].reshape(-1, n)

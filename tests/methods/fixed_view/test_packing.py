@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from methods.fixed_view.gather_matrix import packed, steps_of, unpacked
+from methods.fixed_view.gather_matrix import packed, scales_of, steps_of, unpacked
 
 from engine.methods.fixed_view.packing import PRICE
 from engine.numerics.haar import forward
@@ -42,7 +42,7 @@ def test_packing_everything_reproduces_the_rows() -> None:
     assert np.abs(found.steps.astype(int)).max() == 127
     assert len(np.unique(found.ids)) == len(found.ids) == N
     step = np.zeros(N)
-    step[found.ids] = found.scale
+    step[found.ids] = scales_of(found)
     error = unpacked(found, N) - rows
     assert (np.abs(error) <= 4.51 * step + 1e-9).all()
     assert np.sqrt(np.mean((error / step) ** 2)) < 1.1 * np.sqrt(9 / 12)
@@ -70,9 +70,9 @@ def test_the_coarse_steps_of_a_wavelet_come_first() -> None:
     assert len({len(steps) for steps in every}) >= 3
     assert (np.diff([len(steps) for steps in every]) <= 0).all()
     over_tile = forward(np.ascontiguousarray(rows, np.float32)) / step_units()[:, None]
-    for k, steps in enumerate(every):
+    for k, (steps, scale) in enumerate(zip(every, scales_of(found), strict=True)):
         exact = over_tile[1 : len(steps), found.ids[k]]
-        assert (np.abs(steps[1:] * found.scale[k] - exact) <= 0.51 * found.scale[k]).all()
+        assert (np.abs(steps[1:] * scale - exact) <= 0.51 * scale).all()
 
 
 def test_rows_that_are_all_alike_take_no_steps() -> None:
@@ -80,7 +80,7 @@ def test_rows_that_are_all_alike_take_no_steps() -> None:
     found, kept = packed(*sparse(rows), N, 16)
     assert len(found.steps) == 0
     price = PRICE * np.sort(rows[0] ** 2)[-16]
-    worth = TILE * rows[0] ** 2 > 12 * price
+    worth = TILE * rows[0] ** 2 > 8 * price
     assert len(found.ids) == worth.sum() >= 16
     assert kept == pytest.approx((rows[0] ** 2)[worth].sum() / (rows[0] ** 2).sum(), rel=1e-3)
 
@@ -97,7 +97,7 @@ def test_bytes_are_spent_where_they_buy_most() -> None:
     price = PRICE * np.sort(rows**2, axis=1)[:, -32].mean()
     over_tile = forward(np.ascontiguousarray(rows, np.float32)).astype(float) ** 2
     held = np.array([np.zeros(N), *(over_tile[:width].sum(axis=0) for width in (1, 4, 16, 64))])
-    best = (held - price * np.array([[0], [12], [16], [28], [76]])).argmax(axis=0)
+    best = (held - price * np.array([[0], [8], [16], [28], [76]])).argmax(axis=0)
     width = np.zeros(N, int)
     width[found.ids] = [max(1, len(steps)) for steps in steps_of(found)]
     np.testing.assert_array_equal(width, np.array([0, 1, 4, 16, 64])[best])
