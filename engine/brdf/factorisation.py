@@ -83,11 +83,15 @@ def brdf_matrix(model: int, row: NDArray[np.float32], grid: Texels) -> NDArray[n
 
 @njit(cache=True, nogil=True)
 def _tabulate(start, stop, model, row, w, out):
+    inner = out.shape[2]
     for i in range(start, stop):
-        for j in range(out.shape[2]):
+        # Reciprocity gives the other half.
+        for j in range(min(i + 1, inner)):
             f = table.evaluate(model, row, vec(w, i), vec(w, j))
             for c in range(3):
                 out[c, i, j] = f[c]
+                if i < inner:
+                    out[c, j, i] = f[c]
 
 
 def eigenpairs(

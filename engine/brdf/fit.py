@@ -17,8 +17,8 @@ from engine.diagnosis import Diagnosis
 from engine.numerics.hemisphere_maps import texels
 
 PAIRS = 100_000  # what the paper uses
-QUADRATURE = 96  # texels across the disk that integrals are summed over
-VIEWS = 512  # view directions that negative values are looked for from
+QUADRATURE = 96  # texels round and up the hemisphere that integrals are summed over
+VIEWS = 511  # view directions that negative values are looked for from
 OFF_ENERGY = 0.05  # of the albedo: beyond it texels do not resolve a lobe
 
 
@@ -83,9 +83,10 @@ def negative_share(factored: Factored) -> float:
     ∫∫ max(0, -f̂) cos θ_i cos θ_o / ∫∫ |f̂| cos θ_i cos θ_o, all channels together: the worst that
     lights can make of it is radiance below 0, which a renderer clamps.
     """
-    w, _ = _quadrature()
-    light = light_vector(factored, w)
-    view = view_vector(factored, w[:: max(1, len(w) // VIEWS)])
+    w, weight = _quadrature()
+    some = slice(VIEWS // 2, None, max(1, len(w) // VIEWS))
+    light = light_vector(factored, w) * weight[:, None, None]
+    view = view_vector(factored, w[some]) * weight[some, None, None]
     below = whole = 0.0
     for c in range(3):
         f = light[:, :, c] @ view[:, :, c].T
@@ -96,9 +97,8 @@ def negative_share(factored: Factored) -> float:
 
 def _quadrature() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Directions (q, 3) and projected solid angles (q,), which sum to π."""
-    grid = texels(QUADRATURE)
-    inner = len(grid.weight)
-    return grid.direction[:inner], np.full(inner, np.pi / inner)
+    grid = texels(QUADRATURE, polar=True)
+    return grid.direction, np.pi * grid.weight / grid.weight.sum()
 
 
 def terms_for(material: Material, error: float, size: int = SIZE) -> tuple[int, float]:

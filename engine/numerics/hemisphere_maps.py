@@ -6,11 +6,11 @@ Two parametrisations of `glossy_prt` (Wang, Tran, Luebke 2006, §3.3.2), of loca
     polar  x = atan2(w_x, w_y) / 2π, y = √(1 - w_z)                                       eq. 11
 
 A texture of n x n texels has texel (i, j) at the centre ((i + 1/2) / n, (j + 1/2) / n); its number
-is j n + i. The disk leaves the corners of the square out; those texels just beyond its rim that a
-look-up within may reach are *guards*, and stand for the direction where the line to the centre
-crosses the rim. The polar map goes on over its left and right edge, and at y = 0, where all
-azimuths are one direction, into the column that lies opposite: it has no seam, and its pole is as
-smooth as what it holds.
+is j n + i. The disk leaves the corners of the square out; those texels at and just beyond its rim
+that a look-up within may reach are *guards*, and stand for the direction where the line to the
+centre crosses the rim, if it does. The polar map goes on over its left and right edge, and at
+y = 0, where all azimuths are one direction, into the column that lies opposite: it has no seam, and
+its pole is as smooth as what it holds.
 """
 
 from __future__ import annotations
@@ -25,7 +25,10 @@ from numpy.typing import NDArray
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import vec
 
-RIM = 1e-3  # z of the guards: below the horizon there is nothing to look up
+RIM = 1e-3  # z of the guards beyond the rim: below the horizon there is nothing to look up
+# Texels with their centre nearer to the rim, in halves of a texel, are guards as well: by chance
+# some of them lie so close to the horizon that a BRDF is thousands there and outweighs all others.
+EDGE = 0.5
 
 
 class Texels(NamedTuple):
@@ -60,13 +63,13 @@ def texels(size: int, *, polar: bool = False) -> Texels:
         return Texels(size, True, number, w, y * z)
     x, y = 2.0 * x - 1.0, 2.0 * y - 1.0
     radius = np.hypot(x, y)
-    inner = radius < 1.0
+    inner = radius < 1.0 - EDGE / size
     # A look-up within the disk reaches one texel far each way.
     step = 2.0 / size
     near = np.hypot(np.maximum(np.abs(x) - step, 0), np.maximum(np.abs(y) - step, 0)) < 1.0
     guard = ~inner & near
     rim = np.sqrt(1.0 - RIM * RIM)
-    shrink = np.where(inner, 1.0, rim / np.maximum(radius, 1e-9))
+    shrink = np.minimum(1.0, rim / radius)
     x, y = x * shrink, y * shrink
     w = np.stack([x, y, np.sqrt(np.maximum(1.0 - x * x - y * y, 0))], axis=1)
     order = np.concatenate([np.flatnonzero(inner), np.flatnonzero(guard)])

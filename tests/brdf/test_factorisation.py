@@ -55,9 +55,9 @@ def test_diffuse_is_one_exact_constant_term() -> None:
 def test_separable_models_have_one_term() -> None:
     """The matrix of a BRDF that is a product has one eigenvalue, and no second term is made up."""
     base = AshikhminShirley(diffuse=(0.2, 0.5, 0.9), specular=(0.0, 0.0, 0.0))
-    factored = factor(base, terms=4, size=32)
+    factored = factor(base, terms=4, size=16)
     assert factored.terms == 1
-    assert at_texels(base, factored, 32, polar=False) < 1e-6
+    assert at_texels(base, factored, 16, polar=False) < 1e-6
 
 
 @either_map
@@ -104,7 +104,7 @@ def test_negative_eigenvalues_keep_their_sign() -> None:
 
 
 def test_a_perfect_mirror_has_as_many_negative_as_positive_eigenvalues() -> None:
-    """Its table exchanges texels that lie opposite: values 1 and -1, whatever their number."""
+    """Its table exchanges texels that lie opposite: its values are 1 and -1."""
     grid = texels(8)
     inner = len(grid.weight)
     x, y = mirrors(grid)
@@ -152,9 +152,17 @@ def test_reciprocal(name: str) -> None:
 @pytest.mark.parametrize("terms", [1, 4, 16])
 def test_energy_of_the_fit(name: str, terms: int) -> None:
     """Few terms blur a highlight; at the paper's gloss they hardly take light from it."""
-    kept = albedo_kept(factor(PUBLISHED[name], terms), PUBLISHED[name])
+    kept = albedo_kept(factor(PUBLISHED[name], terms, 24), PUBLISHED[name])
     assert kept.min() > (0.86 if terms == 1 else 0.95)
     assert kept.max() < 1.02
+
+
+@pytest.mark.parametrize("size", [16, 32, 40, 64])
+def test_no_map_size_loses_the_light_to_the_horizon(size: int) -> None:
+    """Near the horizon Ashikhmin-Shirley is in the thousands: with texels at the very rim four terms
+    of 32 x 32 had nothing else and kept 5 % of the albedo, of 64 x 64 not 1 %.
+    """
+    assert albedo_kept(factor(BRUSHED, 4, size), BRUSHED)[0] == pytest.approx(0.98, abs=0.02)
 
 
 @either_map
@@ -162,14 +170,16 @@ def test_energy_of_the_fit(name: str, terms: int) -> None:
 def test_normalised_reflects_as_much_from_everywhere(name: str, polar: bool) -> None:
     """One term, never negative, with the albedo of every incident direction."""
     material = PUBLISHED[name]
-    factored = normalised(material, polar=polar)
+    factored = normalised(material, 24, polar=polar)
     assert factored.terms == 1
     assert factored.light.min() >= 0
     assert factored.view.min() >= 0
-    np.testing.assert_allclose(albedo_kept(factored, material), 1, atol=0.012)
+    np.testing.assert_allclose(albedo_kept(factored, material), 1, atol=0.02)
     # It is no worse than the best term by much, and no better.
     pairs = uniform_pairs(material, 20_000)
-    one, best = (rms_errors(f, pairs)[0][0] for f in (factored, factor(material, 1, polar=polar)))
+    one, best = (
+        rms_errors(f, pairs)[0][0] for f in (factored, factor(material, 1, 24, polar=polar))
+    )
     assert one == pytest.approx(best, rel=0.03)
 
 

@@ -46,9 +46,14 @@ def test_weights_are_projected_solid_angles() -> None:
     for polar in (False, True):
         grid = texels(96, polar=polar)
         z = grid.direction[: len(grid.weight), 2]
-        assert np.average(z, weights=grid.weight) == pytest.approx(2 / 3, abs=1e-3)
-    # The paper's matrix: 37.5 MB of float32 for three channels of 48 x 48 texels.
-    assert 3 * 4 * len(texels(48).weight) ** 2 / 2**20 == pytest.approx(37.5, abs=0.3)
+        # The disk's grid leaves its rim to the guards.
+        assert np.average(z, weights=grid.weight) == pytest.approx(
+            2 / 3, abs=1e-3 if polar else 5e-3
+        )
+    # The paper's matrix has 37.5 MB of float32 for three channels of 48 x 48 texels: ours all but
+    # those at the rim.
+    assert 3 * 4 * len(texels(48).weight) ** 2 / 2**20 == pytest.approx(37.5, rel=0.06)
+    assert texels(48).direction[: len(texels(48).weight), 2].min() > 0.14
 
 
 @pytest.mark.parametrize("theta", [0.02, 0.5, 1.2])
