@@ -19,7 +19,7 @@ from engine.numerics.hemisphere_maps import texels
 PAIRS = 100_000  # what the paper uses
 QUADRATURE = 96  # texels round and up the hemisphere that integrals are summed over
 VIEWS = 511  # view directions that negative values are looked for from
-OFF_ENERGY = 0.05  # of the albedo: beyond it texels do not resolve a lobe
+OFF_ENERGY = 0.1  # of the albedo: beyond it texels do not resolve a lobe
 
 
 class Pairs(NamedTuple):
@@ -113,16 +113,16 @@ def terms_for(material: Material, error: float, size: int = SIZE) -> tuple[int, 
     model, row, grid = table.INDEX[type(material)], material.row(), texels(size)
     inner = len(grid.weight)
     matrix = brdf_matrix(model, row, grid)[:, :inner]
+    texel = 4 / size**2  # its projected solid angle
     most = 1
     for c in range(3):
         if any(np.array_equal(matrix[c], matrix[k]) for k in range(c)):
             continue
         values, _ = eigenpairs(matrix[c], grid, inner)
-        left = np.cumsum(
-            values[::-1] ** 2
-        )  # left[j] is what is left out with all but the j + 1 smallest
+        # left[j] is what is left out without the j + 1 smallest.
+        left = np.cumsum(values[::-1] ** 2)
         most = max(most, len(values) - int((left <= error**2 * left[-1]).sum()))
-    kept = _part(matrix.sum(axis=(1, 2), dtype=np.float64) * np.pi / inner**2, material)
+    kept = _part(matrix.sum(axis=(1, 2), dtype=np.float64) * texel**2 / np.pi, material)
     return most, float(kept[np.abs(kept - 1).argmax()])
 
 

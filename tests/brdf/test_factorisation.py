@@ -152,14 +152,18 @@ def test_reciprocal(name: str) -> None:
 @pytest.mark.parametrize("terms", [1, 4, 16])
 def test_energy_of_the_fit(name: str, terms: int) -> None:
     """Few terms blur a highlight; at the paper's gloss they hardly take light from it."""
-    kept = albedo_kept(factor(PUBLISHED[name], terms, 24), PUBLISHED[name])
-    assert kept.min() > (0.86 if terms == 1 else 0.95)
+    kept = albedo_kept(factor(PUBLISHED[name], terms, 32), PUBLISHED[name])
+    assert kept.min() > (0.85 if terms == 1 else 0.94)
     assert kept.max() < 1.02
 
 
 @pytest.mark.parametrize("size", [16, 32, 40, 64])
 def test_no_map_size_loses_the_light_to_the_horizon(size: int) -> None:
+<<<<<<< .merge_file_l5RwpK
     """Near the horizon Ashikhmin-Shirley is in the thousands: with texels at the very rim four
+=======
+    """Near the horizon Ashikhmin-Shirley is in the thousands: with texels at the very rim, four
+>>>>>>> .merge_file_NNHcjU
     terms of 32 x 32 had nothing else and kept 5 % of the albedo, of 64 x 64 not 1 %.
     """
     assert albedo_kept(factor(BRUSHED, 4, size), BRUSHED)[0] == pytest.approx(0.98, abs=0.02)
@@ -170,15 +174,15 @@ def test_no_map_size_loses_the_light_to_the_horizon(size: int) -> None:
 def test_normalised_reflects_as_much_from_everywhere(name: str, polar: bool) -> None:
     """One term, never negative, with the albedo of every incident direction."""
     material = PUBLISHED[name]
-    factored = normalised(material, 24, polar=polar)
+    factored = normalised(material, 32, polar=polar)
     assert factored.terms == 1
     assert factored.light.min() >= 0
     assert factored.view.min() >= 0
-    np.testing.assert_allclose(albedo_kept(factored, material), 1, atol=0.02)
+    np.testing.assert_allclose(albedo_kept(factored, material), 1, atol=0.025)  # of 32 texels
     # It is no worse than the best term by much, and no better.
     pairs = uniform_pairs(material, 20_000)
     one, best = (
-        rms_errors(f, pairs)[0][0] for f in (factored, factor(material, 1, 24, polar=polar))
+        rms_errors(f, pairs)[0][0] for f in (factored, factor(material, 1, 32, polar=polar))
     )
     assert one == pytest.approx(best, rel=0.03)
 

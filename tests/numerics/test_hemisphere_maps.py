@@ -46,9 +46,9 @@ def test_weights_are_projected_solid_angles() -> None:
     for polar in (False, True):
         grid = texels(96, polar=polar)
         z = grid.direction[: len(grid.weight), 2]
-        # The disk's grid leaves its rim to the guards.
+        # The disk's grid leaves its rim to the guards, a hundredth of its area.
         assert np.average(z, weights=grid.weight) == pytest.approx(
-            2 / 3, abs=1e-3 if polar else 5e-3
+            2 / 3, abs=1e-3 if polar else 6e-3
         )
     # The paper's matrix has 37.5 MB of float32 for three channels of 48 x 48 texels: ours all but
     # those at the rim.

@@ -63,6 +63,7 @@ class Bounces:
         self._runs = run_tiles(len(cloud))
         self.reflected = cloud.albedo / np.float32(np.pi)
         self._area = cloud.area.astype(np.float64)
+        self._area_in_wavelets = haar.forward(self._area[:, None].astype(np.float32))[:, 0]
         even = haar.forward(np.ones((len(cloud), 3), np.float32))
         closed = self._arriving(even) * cloud.area[:, None]
         self._closed = haar.forward(closed)[:, 0].astype(np.float64)
@@ -115,19 +116,20 @@ class Bounces:
     def fading(self, lights: list[NDArray[np.float32]]) -> Fading:
         """That of the middle one of lights (n_g, 3): in a white cupboard one fades too slowly."""
         b = [haar.forward(light) for light in lights]
-        gains, sums = [], [[_power(light) for light in b]]
+        gains, sums, fluxes = [], [[_power(x) for x in b]], [[self._flux(x) for x in b]]
         for _ in range(self.count + TAIL_BOUNCES):
             arriving = [self._arriving(light) for light in b]
             gains.append(self._gain(b, arriving))
             b = [self._reflect(light, gains[-1]) for light in arriving]
             sums.append([_power(light) for light in b])
-        power = np.maximum(sums, 1e-30)  # (bounces, lights, 3)
-        decay = np.clip(power[-1] / power[-2], 0, MOST_DECAY)
-        rest = power[self.count + 1 :].sum(axis=0) + power[-1] * decay / (1 - decay)
+            fluxes.append([self._flux(light) for light in b])
+        power, flux = np.maximum(sums, 1e-30), np.maximum(fluxes, 1e-30)  # (bounces, lights, 3)
+        decay = np.clip(flux[-1] / flux[-2], 0, MOST_DECAY)
+        rest = flux[self.count + 1 :].sum(axis=0) + flux[-1] * decay / (1 - decay)
         fades = power[self.count] / power[max(0, self.count - 1)]
         return Fading(
             gains[: self.count],
-            np.median(rest / power[self.count], axis=0),
+            np.median(rest / flux[self.count], axis=0),
             np.median(fades, axis=0),
         )
 
@@ -140,6 +142,10 @@ class Bounces:
 
     def _reflect(self, arriving: NDArray[np.float32], gain: float) -> NDArray[np.float32]:
         return haar.forward(arriving * (np.float32(gain) * self.reflected))
+
+    def _flux(self, light: NDArray[np.float32]) -> NDArray[np.float64]:
+        """(3,): the sum of a light over the area that samples stand for, from its wavelets."""
+        return self._area_in_wavelets.astype(np.float64) @ light
 
     def _gain(
         self, lights: list[NDArray[np.float32]], arriving: list[NDArray[np.float32]]

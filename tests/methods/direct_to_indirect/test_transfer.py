@@ -113,9 +113,9 @@ def test_moving_a_light_and_back_gives_the_same_bytes(box: Transfer) -> None:
 
 
 def test_bent_normals_are_lit_as_the_reference_lights_them(make: Make, tmp_path: Path) -> None:
-    """Ripples of a floor and of a wall that lights it: 2.5 % off, 44 % if they were left out.
+    """Ripples of a floor and of a wall that lights it: 2.4 % off, 44 % if they were left out.
 
-    The indirect light alone is 2.8 % off.
+    The indirect light alone is 2.5 % off; 4.8 with 233 rays.
     """
     slope = np.stack([np.cos(np.arange(16) / 16 * 2 * np.pi), np.zeros(16), np.ones(16)], axis=-1)
     ripple = np.round(127.5 * (slope / np.linalg.norm(slope, axis=-1, keepdims=True) + 1))
@@ -133,7 +133,8 @@ def test_bent_normals_are_lit_as_the_reference_lights_them(make: Make, tmp_path:
             ],
         }
         pictures[strength] = build(describe(document), tmp_path)
-    product = make(pictures[1.0], gather_samples=4096, coefficients=256)
+    # Ripples make rows unlike their neighbours, so that what they hold is more of it noise.
+    product = make(pictures[1.0], gather_samples=4096, coefficients=256, view_rays=1024)
     truth = render(pictures[1.0], samples=256, seed=4)
     plain = render(pictures[0.0], samples=16, seed=4)
     whole, _ = error_and_noise(product.relight(Edits()).image, truth.image, truth.variance)
