@@ -159,11 +159,7 @@ def test_energy_of_the_fit(name: str, terms: int) -> None:
 
 @pytest.mark.parametrize("size", [16, 32, 40, 64])
 def test_no_map_size_loses_the_light_to_the_horizon(size: int) -> None:
-<<<<<<< .merge_file_l5RwpK
-    """Near the horizon Ashikhmin-Shirley is in the thousands: with texels at the very rim four
-=======
     """Near the horizon Ashikhmin-Shirley is in the thousands: with texels at the very rim, four
->>>>>>> .merge_file_NNHcjU
     terms of 32 x 32 had nothing else and kept 5 % of the albedo, of 64 x 64 not 1 %.
     """
     assert albedo_kept(factor(BRUSHED, 4, size), BRUSHED)[0] == pytest.approx(0.98, abs=0.02)
