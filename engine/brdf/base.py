@@ -11,7 +11,8 @@ in the local frame (z the normal), both leaving the surface; `u` is three number
 All three must return 0 (or a direction that is lost) where wi or wo lies below the surface, and
 never NaN. `albedo` is the same for every model: see `engine.brdf.albedo`.
 
-Rows share their first places, so that textures can replace them without knowing the model:
+Rows share their first places, so that textures can replace them without knowing the model. Where
+the specular reflectance is black, every model is Lambert's of the diffuse one:
 """
 
 from __future__ import annotations
@@ -77,6 +78,12 @@ def diffuse_colour(p):
 def specular_colour(p):
     """Specular reflectance of a row."""
     return (float(p[3]), float(p[4]), float(p[5]))
+
+
+@njit
+def is_matt(p):
+    """Whether a row reflects the same in all directions."""
+    return max(p[3], max(p[4], p[5])) <= 0.0
 
 
 @njit

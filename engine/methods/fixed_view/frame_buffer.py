@@ -10,6 +10,7 @@ that falls in a crack between triangles speaks for nobody.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -17,7 +18,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.backend.cpu.penumbra import alike_neighbours
-from engine.brdf.base import ROW
+from engine.brdf.base import ROW, SPECULAR
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, sub, vec
 from engine.scene import surface
@@ -68,6 +69,11 @@ class Points:
 
     def __len__(self) -> int:
         return len(self.model)
+
+    @cached_property
+    def matt(self) -> NDArray[np.bool_]:
+        """(n,) bool: whether it is a surface without gloss; see `brdf.base.is_matt`."""
+        return (self.model >= 0) & (self.row[:, SPECULAR : SPECULAR + 3].max(axis=1) <= 0)
 
     def take(self, index: NDArray[np.integer] | slice) -> Points:
         """The points of an index array or slice."""
@@ -156,7 +162,9 @@ def build(scene: Scene) -> FrameBuffer:
         scene.diagonal,
         donor,
     )
-    alike = alike_neighbours(centre.position, centre.normal, centre.object, camera.width)
+    alike = alike_neighbours(
+        centre.position, centre.normal, centre.object, centre.matt, camera.width
+    )
     return FrameBuffer(camera, centre, pixel, sub, donor, float(spread), alike)
 
 

@@ -11,23 +11,33 @@ from numpy.typing import NDArray
 from engine.backend.gl.bvh import build_tree
 from engine.backend.gl.context import Device, Uploads
 from engine.backend.gl.points import Surface
-from engine.backend.gl.shading import HAS_SUBSAMPLES, Shading, light_ends, smooth_penumbrae
+from engine.backend.gl.shading import (
+    HAS_SUBSAMPLES,
+    Shading,
+    SoftPixels,
+    SoftPlaces,
+    light_ends,
+)
 from engine.backend.gl.sums import add
 from engine.light.base import Light
 from engine.light.table import light_table
 from engine.methods.fixed_view.direct import (
     BLOCK,
     CENTRE,
+    NARROW,
     PER_COARSE_PENUMBRA_PIXEL,
     PER_PENUMBRA_PIXEL,
     PER_PIXEL,
     PER_SUBSAMPLE,
+    PER_WIDE_PENUMBRA_PIXEL,
     PROBE_REACH,
-    LightPictures,
+    STEEP,
+    WIDE,
     light_samples,
     probes,
 )
 from engine.methods.fixed_view.frame_buffer import FINE, Points
+from engine.methods.fixed_view.light_pictures import LightPictures
 from engine.methods.fixed_view.view import OVER_PIXEL, View
 
 
@@ -90,8 +100,8 @@ class GlView:
     def _each_on_points(self, points: Surface, lights: tuple[Light, ...]) -> Iterator[Picture]:
         def compute(light: Light) -> Picture:
             picture = self._picture(points.count)
-            visible = self._device.room(4 * points.count)
             table, samples = light_table([light]), light_samples(light, 1)
+            visible = self._device.room(4 * points.count)
             self._shading.points(points, table, samples, picture.buffer, visible)
             return picture
 
@@ -155,15 +165,13 @@ class GlView:
     def _soft(self, pixels: Pixels, light: Light, per_penumbra: int) -> Picture:
         """See `direct._soft_light`."""
         radiance, table = self._picture(pixels.surface.count), light_table([light])
-        self._shading.points(pixels.surface, table, probes(), radiance.buffer, pixels.visible)
         lit, penumbra = (light_samples(light, k)[:BLOCK] for k in (PER_PIXEL, per_penumbra))
+        wide, every = (light_samples(light, k) for k in (PER_WIDE_PENUMBRA_PIXEL, 64))
         self._shading.soft(
-            pixels.surface, table, lit, penumbra, pixels.visible, pixels.width, PROBE_REACH,
+            pixels.surface, table, SoftPlaces(every, wide, penumbra, lit, probes()),
+            SoftPixels(pixels.flags, pixels.width, pixels.spare, PROBE_REACH, WIDE, NARROW, STEEP),
             radiance.buffer,
         )  # fmt: skip
-        smooth_penumbrae(
-            self._device, pixels.surface, pixels.flags, pixels.width, radiance.buffer, pixels.spare
-        )
         return radiance
 
     def _picture(self, n: int) -> Picture:

@@ -27,13 +27,9 @@ from engine.light.environment import Environment, EnvironmentTable, environment_
 from engine.light.table import light_table
 from engine.methods.fixed_view import frame_buffer
 from engine.methods.fixed_view.backdrop import Backdrop
-from engine.methods.fixed_view.direct import (
-    Lamp,
-    LightPictures,
-    light_on_buffer,
-    light_on_pixels,
-)
+from engine.methods.fixed_view.direct import light_on_buffer, light_on_pixels
 from engine.methods.fixed_view.frame_buffer import FrameBuffer, Points, pixel_phase
+from engine.methods.fixed_view.light_pictures import Lamp, LightPictures
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
@@ -74,8 +70,9 @@ class View:
         self._coarse.phase[:] = pixel_phase(width, height)
         self._coarse.size[:] *= 2
         self.coarse_alike = alike_neighbours(
-            self._coarse.position, self._coarse.normal, self._coarse.object, width
-        )
+            self._coarse.position, self._coarse.normal, self._coarse.object, self._coarse.matt,
+            width,
+        )  # fmt: skip
 
     def shape(self, scale: int) -> tuple[int, int]:
         """(height, width) of a picture of every scale-th pixel."""
