@@ -72,4 +72,4 @@ def _add_at_edges(start, stop, edge, donor, arriving, mirrored, matt, gloss, ima
 @njit
 def _reflected(arriving, mirrored, matt, gloss):
     # Culled wavelets can leave a little less than no light.
-    return (matt * max(arriving, 0.0) + gloss * max(mirrored, 0.0)) * 0.3183098861837907
+    return max(matt * arriving + gloss * mirrored, 0.0) * 0.3183098861837907

@@ -58,10 +58,8 @@ def aim(
         i = index[b]
         if i < 0:
             continue
-        n, g = vec(normal, i), vec(geometric, i)
-        s, t = tangents(n)
-        p = rows[i]
-        wo = to_local(vec(view, i), s, t, n)
+        n, s, t, wo = shading_frame(normal, view, i)
+        g, p = vec(geometric, i), rows[i]
         start = add(vec(position, i), scale(g, epsilon))
         shift1, shift2 = uniform(seed, i, SHIFTS), uniform(seed, i, SHIFTS + 1)
         total = 0.0
@@ -88,6 +86,14 @@ def aim(
             weight[r] *= norm[b]
     first[index.shape[0]] = rays
     return rays
+
+
+@njit
+def shading_frame(normal, view, i):
+    """(normal, tangent, bitangent) of point i, and the way to the eye in that frame."""
+    n = vec(normal, i)
+    s, t = tangents(n)
+    return n, s, t, to_local(vec(view, i), s, t, n)
 
 
 @njit(cache=True, nogil=True)

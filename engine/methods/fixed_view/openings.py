@@ -22,9 +22,10 @@ from numpy.typing import NDArray
 
 from engine.brdf import table as brdfs
 from engine.brdf.base import luminance
+from engine.methods.fixed_view.gather_rays import shading_frame
 from engine.methods.fixed_view.hierarchy import level_start
 from engine.numerics.borrow import borrow
-from engine.numerics.frames import tangents, to_local
+from engine.numerics.frames import to_local
 from engine.numerics.octahedron import beyond, corner, direction
 from engine.numerics.octahedron import cell as cell_of
 from engine.numerics.sampling import uniform
@@ -77,9 +78,7 @@ def share(
         i = index[b]
         if i < 0:
             continue
-        n = vec(normal, i)
-        s, t = tangents(n)
-        wo = to_local(vec(view, i), s, t, n)
+        n, s, t, wo = shading_frame(normal, view, i)
         for r in range(first[b], first[b + 1]):
             d = vec(direction, r)
             if free[r] and is_open[cell_of(d, LEVEL)]:
@@ -110,9 +109,8 @@ def aim_through(
         i = index[b]
         if i < 0:
             continue
-        n, g = vec(normal, i), vec(geometric, i)
-        s, t = tangents(n)
-        wo = to_local(vec(view, i), s, t, n)
+        n, s, t, wo = shading_frame(normal, view, i)
+        g = vec(geometric, i)
         start = add(vec(position, i), scale(g, epsilon))
         for m in range(cells.shape[0]):
             u, v = corner(cells[m], LEVEL)

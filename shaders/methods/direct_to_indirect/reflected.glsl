@@ -9,6 +9,5 @@ layout(std430) readonly buffer b_gloss { float gloss[]; };
 float reflected(int giver, int taker)
 {
     // Culled wavelets can leave a little less than no light.
-    return (matt[taker] * max(arriving[giver], 0.0) + gloss[taker] * max(mirrored[giver], 0.0))
-        * 0.3183098861837907;
+    return max(matt[taker] * arriving[giver] + gloss[taker] * mirrored[giver], 0.0) * 0.3183098861837907;
 }

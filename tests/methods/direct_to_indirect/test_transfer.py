@@ -398,14 +398,18 @@ def test_defaults_are_the_papers() -> None:
 
 
 def test_a_guessed_tail_is_said(make: Make) -> None:
-    """After one bounce in a white room what follows is a guess; in a dark one it is nothing."""
-    white = make(white_room(0.95, [POINT]), bounces=1).relight(Edits())
-    dark = make(white_room(0.1, [POINT]), bounces=1).relight(Edits())
+    """After one bounce in a white room what follows is a guess; in a dark one it is nothing.
+
+    The light is close to a wall: what it loses from bounce to bounce is not what most lights do.
+    """
+    lamp = {**POINT, "position": [0.9, 0, 0]}
+    white = make(white_room(0.95, [lamp]), bounces=1).relight(Edits())
+    dark = make(white_room(0.1, [lamp]), bounces=1).relight(Edits())
     assert codes(white) == ["bounces_truncated"]
     assert codes(dark) == []
     assert 0.02 < white.warnings[0].size < 0.5
     assert "bounces" in white.warnings[0].message
-    assert codes(make(white_room(0.95, [POINT]), bounces=8).relight(Edits())) == []
+    assert codes(make(white_room(0.95, [lamp]), bounces=8).relight(Edits())) == []
 
 
 def test_gloss_is_said_where_there_is_some(make: Make) -> None:
