@@ -43,7 +43,7 @@ def cornell_box() -> tuple[Scene, tuple[float, float, float]]:
 STILL_LIFE = [
     {
         "name": "floor",
-        "mesh": {"shape": "rectangle", "size": [0.8, 0.8]},
+        "mesh": {"shape": "rectangle", "size": [6, 6]},
         "material": "metal",
         "transform": {"rotate_degrees": [-90, 0, 0]},
     },

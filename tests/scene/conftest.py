@@ -38,7 +38,7 @@ def look() -> Callable[[Scene, Any, Any], Look]:
         b1, b2 = float(hit.b1[0]), float(hit.b2[0])
         back = tuple(-np.asarray(direction, float))
         row = np.zeros(ROW)
-        _, n = normals(scene.geometry, t, b1, b2, back)
+        _, n = normals(scene.geometry, scene.material_table, t, b1, b2, back)
         parameters(scene.geometry, scene.material_table, t, b1, b2, n, row)
         return Look(
             float(hit.distance[0]),

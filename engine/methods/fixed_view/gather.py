@@ -290,6 +290,6 @@ def _tracer(job: Job) -> RayTracer:
 
 def _grid(job: Job) -> Grid:
     if job.grid is None:
-        area = job.clusters.area[level_start(job.clusters.depth) :]
+        area = job.clusters.area[level_start.py_func(job.clusters.depth) :]
         job.grid = build_grid(job.leaf_position, job.leaf_geometric, area)
     return job.grid
