@@ -175,12 +175,13 @@ def test_normalised_reflects_as_much_from_everywhere(name: str, polar: bool) -> 
     assert factored.light.min() >= 0
     assert factored.view.min() >= 0
     np.testing.assert_allclose(albedo_kept(factored, material), 1, atol=0.025)  # of 32 texels
-    # It is no worse than the best term by much, and no better.
+    # It is no worse than the eigenpair by much, which is best on texels but not on these pairs:
+    # in polar maps, which reach the horizon, Ashikhmin-Shirley is 6 % better off.
     pairs = uniform_pairs(material, 20_000)
     one, best = (
         rms_errors(f, pairs)[0][0] for f in (factored, factor(material, 1, 32, polar=polar))
     )
-    assert one == pytest.approx(best, rel=0.03)
+    assert 0.92 * best < one < 1.03 * best
 
 
 @pytest.mark.parametrize("name", ["red Phong", "skin"])
