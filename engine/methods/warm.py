@@ -130,9 +130,9 @@ def tiny_scene() -> Scene:
 
 
 def _light(fields: Any) -> dict[str, Any]:
-    """A light above the middle, whatever its kind calls its place."""
+    """A light above the middle, in sight, whatever its kind calls its place."""
     usual = {
-        "position": (0, 2, 0),
+        "position": (0, 1.2, 0),
         "target": (0, 0, 0.1),
         "direction": (0, -1, 0.1),
         "width": 0.3,
