@@ -16,4 +16,4 @@ UNITS = (8, 4, 2)  # of the first 4, 16 and 64 steps: square roots of the rows t
 
 def step_units() -> NDArray[np.float32]:
     """(64,) float32: the unit of each step."""
-    return np.repeat(np.float32(UNITS), np.diff([0, 4, 16, TILE]))
+    return np.repeat(np.array(UNITS, np.float32), np.diff([0, 4, 16, TILE]))
