@@ -10,6 +10,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from engine.brdf.base import Material
+from engine.brdf.diffuse import Diffuse
+from engine.brdf.published import PUBLISHED
 from engine.errors import InputError, NotFound, RelightError
 from engine.measure.settings import parse_assignments, parse_value, settings_from
 from engine.methods import METHODS
@@ -30,6 +33,18 @@ def sized_scene(source: str, size: str | None) -> Scene:
         raise InputError(f"{size!r} is not of the form 640x480", field="size")
     width, height = map(int, numbers.groups())
     return scene.with_camera(edited_camera(scene.camera, {"width": width, "height": height}))
+
+
+def materials_of(source: str | None) -> dict[str, Material]:
+    """The glossy materials of a scene by name, or without one those of the paper on them."""
+    if source is None:
+        return PUBLISHED
+    scene = open_scene(source)
+    every = zip(scene.material_names, scene.materials, strict=True)
+    glossy = {name: material for name, material in every if not isinstance(material, Diffuse)}
+    if not glossy:
+        raise InputError(f"all materials of {source!r} are diffuse: one term is exact for them")
+    return glossy
 
 
 def known_method(method: str) -> str:

@@ -17,6 +17,7 @@ import typer
 from engine.arguments import (
     knobs,
     known_method,
+    materials_of,
     needs_extra,
     read_edits,
     settings_of,
@@ -145,8 +146,13 @@ def render(
 
 @app.command()
 def chart(
-    scene: SceneArgument,
     to: Annotated[Path, typer.Option("--out", help="folder for chart.svg, .png and .json")],
+    scene: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="SCENE", help="a built-in scene or a scene file", show_default=False
+        ),
+    ] = None,
     method: Annotated[
         list[str] | None, typer.Option("--method", help="may be given more than once")
     ] = None,
@@ -159,6 +165,13 @@ def chart(
     growth: Annotated[
         bool, typer.Option("--growth", help="how cost grows with scene and settings instead")
     ] = False,
+    factorisation: Annotated[
+        bool,
+        typer.Option(
+            "--factorisation",
+            help="how well K terms fit the scene's BRDFs, or the paper's without one, instead",
+        ),
+    ] = False,
     reference_error: Annotated[
         float, typer.Option(min=1e-4, max=1, help="relative L2 error of the references")
     ] = 0.05,
@@ -167,12 +180,20 @@ def chart(
 ) -> None:
     """Chart a method's speed against its accuracy over its settings, or how its cost grows."""
     with needs_extra("chart"):
-        from engine.measure import growth_chart
+        from engine.measure import factorisation_chart, growth_chart
         from engine.measure.chart import write_chart
         from engine.measure.document import sweep_document
         from engine.measure.growth import growth as run_growth
         from engine.measure.machine import this_machine
         from engine.measure.sweep import sweep as run_sweep
+    if factorisation:
+        with progress_bars() as progress:
+            paths = factorisation_chart.write(materials_of(scene), to, progress)
+        for path in paths:
+            out.print(str(path))
+        return
+    if scene is None:
+        raise InputError("a scene is needed, for all charts but --factorisation", field="SCENE")
     opened = sized_scene(scene, size)
     methods = [known_method(name) for name in method or [DEFAULT_METHOD]]
     judged: dict[str, Any] = {"edits": edits, "seed": seed, "reference_error": reference_error}

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from engine.brdf import table
 from engine.brdf.arrays import broadcast
+from engine.brdf.base import GRAIN
 from engine.diagnosis import Diagnosis
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import vec
@@ -31,7 +32,7 @@ def albedo(
 ) -> NDArray[np.float64]:
     """Directional-hemispherical reflectance (n, 3), linear RGB.
 
-    model () or (n,), rows (16,) or (n, 16), wo (3,) or (n, 3): as for `evaluate`. Its error is
+    model () or (n,), rows (ROW,) or (n, ROW), wo (3,) or (n, 3): as for `evaluate`. Its error is
     below TOLERANCE at the default number of `points`.
     """
     models, parameters, directions, _ = broadcast(model, rows, wo, (0.0, 0.0, 0.0))
@@ -45,7 +46,7 @@ def hemispherical_albedo(
 ) -> NDArray[np.float64]:
     """Bihemispherical reflectance (n, 3): `albedo` under even light, ∫ a(wo) cos θ_o dwo / π.
 
-    It is the albedo that light which comes from everywhere meets. Isotropic models only.
+    It is the albedo that light which comes from everywhere meets.
     """
     models = np.atleast_1d(np.asarray(model, np.int32))
     parameters = np.atleast_2d(np.asarray(rows, np.float32))
@@ -53,7 +54,11 @@ def hemispherical_albedo(
     # With s = sin² θ the cosine weight is even, so Gauss-Legendre points in s do.
     nodes, weights = np.polynomial.legendre.leggauss(12)
     s = 0.5 * (nodes + 1.0)
-    wo = np.stack([np.sqrt(s), np.zeros_like(s), np.sqrt(1.0 - s)], axis=1)
+    # Azimuth matters to anisotropic models alone, which are even about both axes of their grain.
+    turns = 4 if parameters[:, GRAIN:].any() else 1
+    phi = np.tile((np.arange(turns) + 0.5) * np.pi / (2 * turns), len(s))
+    s, weights = np.repeat(s, turns), np.repeat(weights / turns, turns)
+    wo = np.stack([np.sqrt(s) * np.cos(phi), np.sqrt(s) * np.sin(phi), np.sqrt(1.0 - s)], axis=1)
     k = len(wo)
     each = albedo(
         np.repeat(np.broadcast_to(models, n), k),

@@ -17,7 +17,7 @@ def evaluate(
 ) -> NDArray[np.float64]:
     """BRDF in sr⁻¹, without the cosine: (n, 3).
 
-    model () or (n,) index into MODELS; rows (16,) or (n, 16); wi, wo (3,) or (n, 3), unit length,
+    model () or (n,) index into MODELS; rows (ROW,) or (n, ROW); wi, wo (3,) or (n, 3), unit length,
     local (z the normal), leaving the surface. Lengths of one are repeated.
     """
     models, parameters, a, b = broadcast(model, rows, wi, wo)
@@ -48,7 +48,7 @@ def pdf(model: ArrayLike, rows: ArrayLike, wi: ArrayLike, wo: ArrayLike) -> NDAr
 def broadcast(
     model: ArrayLike, rows: ArrayLike, a: ArrayLike, b: ArrayLike
 ) -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.float64], NDArray[np.float64]]:
-    """Contiguous (n,), (n, 16), (n, 3), (n, 3); ValueError where the lengths do not fit."""
+    """Contiguous (n,), (n, ROW), (n, 3), (n, 3); ValueError where the lengths do not fit."""
     models = np.atleast_1d(np.asarray(model, np.int32))
     parameters = np.atleast_2d(np.asarray(rows, np.float32))
     first = np.atleast_2d(np.asarray(a, np.float64))

@@ -11,7 +11,8 @@ in the local frame (z the normal), both leaving the surface; `u` is three number
 All three must return 0 (or a direction that is lost) where wi or wo lies below the surface, and
 never NaN. `albedo` is the same for every model: see `engine.brdf.albedo`.
 
-Rows share their first places, so that textures can replace them without knowing the model:
+Rows share their first places, so that textures can replace them without knowing the model. Where
+the specular reflectance is black, every model is Lambert's of the diffuse one:
 """
 
 from __future__ import annotations
@@ -23,11 +24,15 @@ from pydantic import Field
 
 from engine.numerics.description import Description, Radiance
 
-ROW = 16
+ROW = 36
 DIFFUSE = 0  # three places: diffuse reflectance, linear RGB
 SPECULAR = 3  # three places: specular reflectance or reflectance at normal incidence
 ROUGHNESS = 6  # one place: the model's roughness or exponent
 EXTRA = 7  # from here on: the model's own
+# The last two places, for anisotropic models: cosine and sine of the angle from the local x axis to
+# the direction in which the surface is brushed; both 0 for all others. So an integrator need not
+# know of it: it takes any frame about the normal, and who fills in the row says how it lies.
+GRAIN = ROW - 2
 
 
 class Material(Description):
@@ -52,6 +57,17 @@ class Material(Description):
         return row
 
 
+def without_grain(rows: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Rows (n, ROW) as they are where the grain lies along the local x axis.
+
+    For what does not depend on azimuth; rows of one material on a curved surface are equal then.
+    """
+    out = rows.copy()
+    out[:, GRAIN] = rows[:, GRAIN:].any(axis=1)
+    out[:, GRAIN + 1] = 0
+    return out
+
+
 @njit
 def diffuse_colour(p):
     """Diffuse reflectance of a row."""
@@ -65,6 +81,12 @@ def specular_colour(p):
 
 
 @njit
+def is_matt(p):
+    """Whether a row reflects the same in all directions."""
+    return max(p[3], max(p[4], p[5])) <= 0.0
+
+
+@njit
 def luminance(c):
     """Rec. 709 luminance of a linear RGB triple, used to weigh lobes against each other."""
     return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]
@@ -75,3 +97,17 @@ def share(a, b):
     """Luminance of a as a part of that of a and b together; 1 where both are black."""
     wa, wb = luminance(a), luminance(b)
     return wa / (wa + wb) if wb > 0.0 else 1.0
+
+
+@njit
+def to_grain(p, w):
+    """The local direction w in the frame whose x axis runs along the grain of a row."""
+    c, s = float(p[GRAIN]), float(p[GRAIN + 1])
+    return (c * w[0] + s * w[1], c * w[1] - s * w[0], w[2])
+
+
+@njit
+def from_grain(p, w):
+    """The inverse of `to_grain`."""
+    c, s = float(p[GRAIN]), float(p[GRAIN + 1])
+    return (c * w[0] - s * w[1], c * w[1] + s * w[0], w[2])

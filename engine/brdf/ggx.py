@@ -5,10 +5,9 @@ Surfaces*): f_s = F D G / (4 cos θ_i cos θ_o) with
     D = α² / (π (cos² θ_h (α² - 1) + 1)²)                                   (eq. 33)
     G = 1 / (1 + Λ(wi) + Λ(wo)), Λ = (√(1 + α² tan² θ) - 1) / 2             height-correlated Smith,
         Heitz 2014, *Understanding the Masking-Shadowing Function*, eq. 99
-    F = F0 + (F90 - F0)(1 - wo·h)⁵                                          Schlick 1994, eq. 15
-F0 is `specular`, α the square of `roughness` (Burley 2012, §5.4) but at least MIN_ALPHA, F90 is 1
-unless F0 stays below 2 %, which no real interface does: from there F90 falls to 0 with F0 (Lagarde
-and de Rousiers 2014, §3.2), so that `specular` 0 is exactly Lambert's model.
+    F = F0 + (F90 - F0)(1 - wo·h)⁵                                          see `fresnel`
+F0 is `specular`, α the square of `roughness` (Burley 2012, §5.4) but at least MIN_ALPHA. With
+`specular` 0 it is exactly Lambert's model.
 
 Base (Shirley, Smits, Hu, Lafortune 1997, *A Practitioners' Assessment of Light Reflection
 Models*, §5): f_d = ρ (1 - F(θ_i)) (1 - F(θ_o)) / (π c), with c the cosine-weighted mean of 1 - F
@@ -30,6 +29,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from engine.brdf.base import ROUGHNESS, Material, diffuse_colour, share, specular_colour
+from engine.brdf.fresnel import f90, fresnel
 from engine.numerics.description import Reflectance, Unit
 from engine.numerics.sampling import cosine_hemisphere
 from engine.numerics.vec import add, cross, dot, mul, normalize, reflect, scale
@@ -61,29 +61,16 @@ def _alpha(p):
 
 
 @njit
-def _f90(f0):
-    return min(1.0, 50.0 * max(f0[0], f0[1], f0[2]))
-
-
-@njit
-def _fresnel(f0, cosine):
-    """Schlick's F for a colour."""
-    w = (1.0 - min(1.0, max(0.0, cosine))) ** 5
-    g = _f90(f0) * w
-    return (f0[0] * (1.0 - w) + g, f0[1] * (1.0 - w) + g, f0[2] * (1.0 - w) + g)
-
-
-@njit
 def _passed(f0, cosine):
     """1 - F, for a colour."""
-    f = _fresnel(f0, cosine)
+    f = fresnel(f0, cosine)
     return (1.0 - f[0], 1.0 - f[1], 1.0 - f[2])
 
 
 @njit
-def _mean_passed(f0, f90):
+def _mean_passed(f0, grazing):
     """Cosine-weighted mean of 1 - F over the hemisphere, for one channel."""
-    return 1.0 - f0 - (f90 - f0) / 21.0
+    return 1.0 - f0 - (grazing - f0) / 21.0
 
 
 @njit
@@ -105,7 +92,7 @@ def _stretched(alpha, c):
 def _base_share(p, wo):
     """Probability of sampling the base: its part of the light reflected towards wo, roughly."""
     f0 = specular_colour(p)
-    return share(mul(diffuse_colour(p), _passed(f0, wo[2])), _fresnel(f0, wo[2]))
+    return share(mul(diffuse_colour(p), _passed(f0, wo[2])), fresnel(f0, wo[2]))
 
 
 @njit
@@ -115,18 +102,18 @@ def evaluate(p, wi, wo):
         return (0.0, 0.0, 0.0)
     alpha = _alpha(p)
     f0 = specular_colour(p)
-    f90 = _f90(f0)
+    grazing = f90(f0)
     # The base, which vanishes where the facets let nothing through.
     base = mul(diffuse_colour(p), mul(_passed(f0, wi[2]), _passed(f0, wo[2])))
     base = (
-        base[0] / (math.pi * max(1e-9, _mean_passed(f0[0], f90))),
-        base[1] / (math.pi * max(1e-9, _mean_passed(f0[1], f90))),
-        base[2] / (math.pi * max(1e-9, _mean_passed(f0[2], f90))),
+        base[0] / (math.pi * max(1e-9, _mean_passed(f0[0], grazing))),
+        base[1] / (math.pi * max(1e-9, _mean_passed(f0[1], grazing))),
+        base[2] / (math.pi * max(1e-9, _mean_passed(f0[2], grazing))),
     )
     # G / (4 cos θ_i cos θ_o), simplified so that nothing vanishes at grazing angles.
     visible = 0.5 / max(1e-30, wo[2] * _stretched(alpha, wi[2]) + wi[2] * _stretched(alpha, wo[2]))
     h = normalize(add(wi, wo))
-    return add(base, scale(_fresnel(f0, dot(wo, h)), visible * _distribution(alpha, h)))
+    return add(base, scale(fresnel(f0, dot(wo, h)), visible * _distribution(alpha, h)))
 
 
 @njit

@@ -7,11 +7,13 @@ from typing import Annotated
 
 from pydantic import Field
 
-from engine.brdf import blinn_phong, diffuse, ggx, phong
+from engine.brdf import ashikhmin_shirley, blinn_phong, diffuse, ggx, lafortune, phong
+from engine.brdf.ashikhmin_shirley import AshikhminShirley
 from engine.brdf.base import Material
 from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
+from engine.brdf.lafortune import Lafortune
 from engine.brdf.phong import Phong
 from engine.numerics.dispatch import by_index
 
@@ -20,9 +22,13 @@ MODELS: dict[type[Material], ModuleType] = {
     Phong: phong,
     BlinnPhong: blinn_phong,
     Ggx: ggx,
+    AshikhminShirley: ashikhmin_shirley,
+    Lafortune: lafortune,
 }
 
-AnyMaterial = Annotated[Diffuse | Phong | BlinnPhong | Ggx, Field(discriminator="type")]
+AnyMaterial = Annotated[
+    Diffuse | Phong | BlinnPhong | Ggx | AshikhminShirley | Lafortune, Field(discriminator="type")
+]
 
 INDEX = {description: index for index, description in enumerate(MODELS)}
 

@@ -19,11 +19,15 @@ from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from engine.light.base import EXTRA, Light, across, towards, unit
+from engine.light.base import DARK, EXTRA, UNKNOWN, Light, across, shares_plane, towards, unit
+from engine.numerics.angles import angle_over_sine
 from engine.numerics.description import Point
+from engine.numerics.vec import cross, dot, length
 
 NEAREST = 1e-9  # metres in front of the lamp, below which x lies in its plane and gets nothing
+CLOSE = 0.75  # diagonals, below which a `glance` is not spread evenly over the area
 FAR = 2.5  # of the lamp's diagonal: from there on r varies by a fifth each way over the lamp
+VERY_FAR = 4.0  # diagonals, from where four points stand for all, to 2e-4
 SMALL = 1e-6  # steradians below which the difference of angles loses its digits
 Size = Annotated[float, Field(ge=1e-4, le=1e6)]
 
@@ -72,15 +76,15 @@ def _seen(p, x):
 
 
 @njit
-def _angles(x0, x1, y0, y1, z):
-    """(solid angle, k, b0, b1) of Ureña, Fajardo, King 2013, §4; zeros for the area instead.
+def _angles(x0, x1, y0, y1, z, far):
+    """(solid angle, k, b0, b1) of Ureña, Fajardo, King 2013, §4; zeros from `far` diagonals on.
 
     The solid angle is the sum of the spherical rectangle's four inner angles less 2π. The planes
     through the origin and the sides have normals along (0, z, y0), (z, 0, x1), (0, z, y1),
     (z, 0, x0), up to sign.
     """
     a, b, dx, dy = (x0 + x1) / 2, (y0 + y1) / 2, x1 - x0, y1 - y0
-    if a * a + b * b + z * z > FAR * FAR * (dx * dx + dy * dy):
+    if a * a + b * b + z * z > far * far * (dx * dx + dy * dy):
         return 0.0, 0.0, 0.0, 0.0
     n0, n2 = math.sqrt(z * z + y0 * y0), math.sqrt(z * z + y1 * y1)
     n1, n3 = math.sqrt(z * z + x1 * x1), math.sqrt(z * z + x0 * x0)
@@ -111,12 +115,12 @@ def _point(x0, x1, y0, y1, z, k, solid, b0, b1, u1, u2):
 
 
 @njit
-def illuminate(p, texels, x, size, u1, u2):
-    """Uniform over the solid angle, L · solid angle; from far away over the area instead."""
+def _shine(p, x, u1, u2, far):
+    """Uniform over the solid angle, L · solid angle; from `far` diagonals on over the area."""
     x0, x1, y0, y1, z = _seen(p, x)
     if z < NEAREST:
         return (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
-    weight, k, b0, b1 = _angles(x0, x1, y0, y1, z)
+    weight, k, b0, b1 = _angles(x0, x1, y0, y1, z, far)
     if weight == 0.0:
         a, b = x0 + u1 * (x1 - x0), y0 + u2 * (y1 - y0)
         r = math.sqrt(a * a + b * b + z * z)
@@ -134,6 +138,106 @@ def illuminate(p, texels, x, size, u1, u2):
         p[7] * weight,
         p[8] * weight,
     )
+
+
+@njit
+def illuminate(p, texels, x, size, u1, u2):
+    """Uniform over the solid angle, L · solid angle; from far away over the area instead."""
+    return _shine(p, x, u1, u2, FAR)
+
+
+@njit
+def glance(p, texels, x, size, u1, u2):
+    """Evenly over the area from a little way off already."""
+    return _shine(p, x, u1, u2, CLOSE)
+
+
+@njit
+def irradiance(p, x, n, g):
+    """Lambert's formula for polygons (1760), with the part below the horizon cut off."""
+    x0, x1, y0, y1, z = _seen(p, x)
+    if z < NEAREST:
+        return DARK
+    n, g = _in_axes(p, n), _in_axes(p, g)
+    # How high the lowest and highest corners are over the horizons.
+    a, b, dx, dy = 0.5 * (x0 + x1), 0.5 * (y0 + y1), x1 - x0, y1 - y0
+    up, reach = a * n[0] + b * n[1] + z * n[2], 0.5 * (dx * abs(n[0]) + dy * abs(n[1]))
+    high, wide = a * g[0] + b * g[1] + z * g[2], 0.5 * (dx * abs(g[0]) + dy * abs(g[1]))
+    if up <= -reach or high <= -wide:
+        return DARK
+    if high < wide and not shares_plane(n, g):
+        return UNKNOWN
+    if up < reach:
+        e = _cut(x0, x1, y0, y1, z, n)
+    elif a * a + b * b + z * z > VERY_FAR * VERY_FAR * (dx * dx + dy * dy):
+        e = _from_afar(a, b, dx, dy, z, n)
+    else:
+        e = _whole(x0, x1, y0, y1, z, n)
+    return (p[6] * e, p[7] * e, p[8] * e)
+
+
+@njit
+def _in_axes(p, w):
+    """A direction in the rectangle's own axes, in which x looks up to it along z."""
+    return (
+        w[0] * p[9] + w[1] * p[10] + w[2] * p[11],
+        w[0] * p[12] + w[1] * p[13] + w[2] * p[14],
+        -(w[0] * p[3] + w[1] * p[4] + w[2] * p[5]),
+    )
+
+
+@njit
+def _whole(x0, x1, y0, y1, z, n):
+    """½ Σ n · (a × b) / |a × b| · angle of a and b, over the sides from a to b."""
+    x02, x12, y02, y12, z2 = x0 * x0, x1 * x1, y0 * y0, y1 * y1, z * z
+    i00, i10 = 1.0 / math.sqrt(x02 + y02 + z2), 1.0 / math.sqrt(x12 + y02 + z2)
+    i01, i11 = 1.0 / math.sqrt(x02 + y12 + z2), 1.0 / math.sqrt(x12 + y12 + z2)
+    x01, y01 = x0 * x1 + z2, y0 * y1 + z2
+    low, high = i00 * i10, i01 * i11
+    left, right = i00 * i01, i10 * i11
+    along = (z * n[1] - y0 * n[2]) * low * angle_over_sine((x01 + y02) * low)
+    along -= (z * n[1] - y1 * n[2]) * high * angle_over_sine((x01 + y12) * high)
+    up = (x1 * n[2] - z * n[0]) * right * angle_over_sine((x12 + y01) * right)
+    up -= (x0 * n[2] - z * n[0]) * left * angle_over_sine((x02 + y01) * left)
+    return max(0.0, 0.5 * ((x1 - x0) * along + (y1 - y0) * up))
+
+
+@njit
+def _from_afar(a, b, dx, dy, z, n):
+    """Gauss's four points."""
+    e = 0.0
+    for sx in (-0.28867513459481287, 0.28867513459481287):
+        for sy in (-0.28867513459481287, 0.28867513459481287):
+            x, y = a + sx * dx, b + sy * dy
+            r2 = x * x + y * y + z * z
+            e += (x * n[0] + y * n[1] + z * n[2]) / (r2 * r2)
+    return 0.25 * dx * dy * z * e
+
+
+@njit
+def _cut(x0, x1, y0, y1, z, n):
+    """The same sum over the part above the horizon, whose last side lies in it."""
+    corners = ((x0, y0, z), (x1, y0, z), (x1, y1, z), (x0, y1, z))
+    e, comes, goes = 0.0, corners[0], corners[0]
+    for k in range(4):
+        a, b = corners[k], corners[(k + 1) % 4]
+        ha, hb = dot(a, n), dot(b, n)
+        if ha <= 0.0 and hb <= 0.0:
+            continue
+        t = ha / (ha - hb) if ha != hb else 0.0
+        between = (a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), z)
+        if ha <= 0.0:
+            a = comes = between
+        elif hb <= 0.0:
+            b = goes = between
+        e += _side(a, b, n)
+    return max(0.0, e + _side(goes, comes, n))
+
+
+@njit
+def _side(a, b, n):
+    i = 1.0 / (length(a) * length(b))
+    return 0.5 * i * dot(n, cross(a, b)) * angle_over_sine(dot(a, b) * i)
 
 
 @njit
@@ -163,7 +267,7 @@ def pdf(p, x, w):
     x0, x1, y0, y1, z = _seen(p, x)
     if z < NEAREST:
         return 0.0
-    solid, _, _, _ = _angles(x0, x1, y0, y1, z)
+    solid, _, _, _ = _angles(x0, x1, y0, y1, z, FAR)
     return 1.0 / solid if solid > 0.0 else t * t / (p[17] * facing)
 
 

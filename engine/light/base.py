@@ -1,7 +1,7 @@
 """The light contract.
 
 A light shader is a small function of position and direction. A new one is one file and one line:
-the file holds a `Light` subclass, its description in JSON, and three Numba kernels; the line names
+the file holds a `Light` subclass, its description in JSON, and five Numba kernels; the line names
 both in `engine.light.table.LIGHTS`. From there it is in the schema, in edits, in every renderer and
 on the page, whose handles follow the names of the fields (position, target, direction). The GPU
 draws it by a shader of its name in `shaders/light`, see the README there.
@@ -18,6 +18,13 @@ draws it by a shader of its name in `shaders/light`, see the README there.
         without extent, which no ray can hit.
     emitted(p, o, d) -> (distance, r, g, b)
         What a ray from o along unit d sees of the light itself; distance < 0 where it misses.
+    irradiance(p, x, n, g) -> (r, g, b)
+        What a surface at x with unit normal n receives of a light with extent that nothing hides,
+        the integral of radiance · cos θ over directions above both n and g, the normal of the flat
+        triangle. Negative where there is no formula: then it is summed up from samples.
+    glance(p, texels, x, size, u1, u2) -> as `illuminate`
+        The same for what only asks how much of a light is hidden: quicker where it can be, and a
+        sample may weigh any amount.
 
 `p` is a row of ROW float32 numbers made by the description's `row()`. `texels` (k, 3) float32 holds
 the images of all lights of a table: a light that has one returns it from `pyramid()` and finds in
@@ -41,6 +48,7 @@ A whole one, whose light does not fall off with distance:
         return (d[0] / r, d[1] / r, d[2] / r, r, float(p[6]), float(p[7]), float(p[8]))
 
     pdf, emitted = no_pdf, nothing_emitted
+    irradiance, glance = no_formula, illuminate
 """
 
 from __future__ import annotations
@@ -61,6 +69,7 @@ from engine.numerics.vec import Vec, cross
 ROW = 32
 POSITION, DIRECTION, INTENSITY, EXTRA = 0, 3, 6, 9
 IMAGE = 29  # of a light with an image, see `light_table`
+UNKNOWN, DARK = (-1.0, -1.0, -1.0), (0.0, 0.0, 0.0)  # of `irradiance`
 
 
 class Light(Description):
@@ -137,3 +146,15 @@ def no_pdf(p, x, w):
 def nothing_emitted(p, o, d):
     """The `emitted` of a light without extent."""
     return (-1.0, 0.0, 0.0, 0.0)
+
+
+@njit
+def no_formula(p, x, n, g):
+    """The `irradiance` of a light without extent, or of one that has to be sampled."""
+    return UNKNOWN
+
+
+@njit
+def shares_plane(n, g):
+    """Whether two unit normals are the same, within a tenth of a degree."""
+    return n[0] * g[0] + n[1] * g[1] + n[2] * g[2] > 1.0 - 2e-6

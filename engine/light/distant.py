@@ -13,7 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from engine.light.base import Light, no_pdf, nothing_emitted, unit
+from engine.light.base import Light, no_formula, no_pdf, nothing_emitted, unit
 from engine.numerics.description import Point
 
 
@@ -48,3 +48,4 @@ def illuminate(p, texels, x, size, u1, u2):
 
 
 pdf, emitted = no_pdf, nothing_emitted
+irradiance, glance = no_formula, illuminate

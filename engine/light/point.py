@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.light.base import Light, no_pdf, nothing_emitted
+from engine.light.base import Light, no_formula, no_pdf, nothing_emitted
 from engine.numerics.description import Point
 
 
@@ -36,3 +36,4 @@ def illuminate(p, texels, x, size, u1, u2):
 
 
 pdf, emitted = no_pdf, nothing_emitted
+irradiance, glance = no_formula, illuminate

@@ -21,7 +21,17 @@ from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr, model_validator
 
 from engine.errors import SceneError
-from engine.light.base import EXTRA, IMAGE, Light, across, no_pdf, nothing_emitted, towards, unit
+from engine.light.base import (
+    EXTRA,
+    IMAGE,
+    Light,
+    across,
+    no_formula,
+    no_pdf,
+    nothing_emitted,
+    towards,
+    unit,
+)
 from engine.light.pyramid import BUILT_IN, Pyramid, load_image, look_up
 from engine.numerics.description import Point
 
@@ -106,3 +116,4 @@ def illuminate(p, texels, x, size, u1, u2):
 
 
 pdf, emitted = no_pdf, nothing_emitted
+irradiance, glance = no_formula, illuminate

@@ -18,10 +18,12 @@ from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field
 
-from engine.light.base import EXTRA, Light
+from engine.light.base import DARK, EXTRA, Light
+from engine.light.cap import cap_irradiance
 from engine.numerics.description import Point
 from engine.numerics.frames import tangents
 from engine.numerics.sampling import uniform_cone
+from engine.numerics.vec import scale
 
 
 class SphereLight(Light):
@@ -104,3 +106,15 @@ def emitted(p, o, d):
     if t < 0.0:
         return (-1.0, 0.0, 0.0, 0.0)
     return (t, float(p[6]), float(p[7]), float(p[8]))
+
+
+@njit
+def irradiance(p, x, n, g):
+    """Of its cone."""
+    c, d, versine = _cone(p, x)
+    if versine <= 0.0:
+        return DARK
+    return cap_irradiance(p, scale(c, 1.0 / d), versine * (2.0 - versine), n, g)
+
+
+glance = illuminate

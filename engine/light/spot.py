@@ -15,7 +15,7 @@ from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from engine.light.base import EXTRA, Light, no_pdf, nothing_emitted, towards
+from engine.light.base import EXTRA, Light, no_formula, no_pdf, nothing_emitted, towards
 from engine.numerics.description import Point
 
 
@@ -76,3 +76,4 @@ def illuminate(p, texels, x, size, u1, u2):
 
 
 pdf, emitted = no_pdf, nothing_emitted
+irradiance, glance = no_formula, illuminate

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from engine.light.base import EXTRA, Light, unit
+from engine.light.cap import cap_irradiance
 from engine.numerics.description import Point
 from engine.numerics.frames import tangents, to_world
 from engine.numerics.sampling import uniform_cone
@@ -78,3 +79,14 @@ def emitted(p, o, d):
     if not _sees(p, d):
         return (-1.0, 0.0, 0.0, 0.0)
     return (INFINITE, float(p[6]), float(p[7]), float(p[8]))
+
+
+@njit
+def irradiance(p, x, n, g):
+    """Of its cone."""
+    versine = np.float64(p[9])
+    axis = (-np.float64(p[3]), -np.float64(p[4]), -np.float64(p[5]))
+    return cap_irradiance(p, axis, versine * (2.0 - versine), n, g)
+
+
+glance = illuminate

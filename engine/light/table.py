@@ -34,6 +34,8 @@ INDEX = {description: index for index, description in enumerate(LIGHTS)}
 illuminate = by_index([m.illuminate for m in LIGHTS.values()], 6)
 pdf = by_index([m.pdf for m in LIGHTS.values()], 3)
 emitted = by_index([m.emitted for m in LIGHTS.values()], 3)
+irradiance = by_index([m.irradiance for m in LIGHTS.values()], 4)
+glance = by_index([m.glance for m in LIGHTS.values()], 6)
 
 
 class LightTable(NamedTuple):

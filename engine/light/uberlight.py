@@ -40,7 +40,16 @@ from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from engine.light.base import EXTRA, Light, across, no_pdf, nothing_emitted, towards, unit
+from engine.light.base import (
+    EXTRA,
+    Light,
+    across,
+    no_formula,
+    no_pdf,
+    nothing_emitted,
+    towards,
+    unit,
+)
 from engine.numerics.description import Finite, NonNegative, Point, Unit
 from engine.numerics.vec import cross
 
@@ -197,3 +206,4 @@ def illuminate(p, texels, x, size, u1, u2):
 
 
 pdf, emitted = no_pdf, nothing_emitted
+irradiance, glance = no_formula, illuminate

@@ -163,7 +163,10 @@ def _place_labels(
     taken = [(px - 5, py - 5, px + 5, py + 5) for px, py in points]
     for (x, y, text, colour), (px, py) in zip(labels, points, strict=True):
         width, height = 5.0 * len(text) * figure.dpi / 72, 9.0 * figure.dpi / 72
-        places = [(7, -3), (7, 6), (7, -13), (-3, 9), (-3, -16), (-7 - 4.6 * len(text), 5)]
+        left_of = -7 - 4.6 * len(text)
+        places = [(7, -3), (7, 6), (7, -13), (-3, 9), (-3, -16), (left_of, 5)]
+        # Where lines crowd, farther off.
+        places += [(x, y) for y in (-14, 16, -26, 28, -38, 40, -50, 52) for x in (left_of, 7)]
         for dx, dy in places:
             left, low = px + dx * figure.dpi / 72, py + dy * figure.dpi / 72
             box = (left, low, left + width, low + height)

@@ -161,6 +161,7 @@ def with_balls(scene: Scene, triangles: int) -> Scene:
         triangles=np.concatenate([geometry.triangles, balls.triangles + len(geometry.positions)]),
         normals=np.concatenate([geometry.normals, balls.normals]),
         uvs=np.concatenate([geometry.uvs, balls.uvs]),
+        tangents=np.concatenate([geometry.tangents, balls.tangents]),
         material=np.concatenate([geometry.material, balls.material]),
         object=np.concatenate([geometry.object, balls.object + len(scene.object_names)]),
     )

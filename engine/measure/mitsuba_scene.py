@@ -9,6 +9,7 @@ Everything here works with whatever variant of Mitsuba is set.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +17,12 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.brdf.ashikhmin_shirley import AshikhminShirley
 from engine.brdf.base import Material
 from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
+from engine.brdf.lafortune import Lafortune
 from engine.errors import InputError
 from engine.light.area import AreaLight
 from engine.light.base import Light
@@ -31,6 +34,7 @@ from engine.light.sphere import SphereLight
 from engine.light.spot import SpotLight
 from engine.scene.description import TEXTURE_SLOTS
 from engine.scene.scene import Scene
+from engine.scene.surface import NORMAL_MAP
 
 Node = dict[str, Any]
 """What `mitsuba.load_dict` takes."""
@@ -162,6 +166,12 @@ def _bsdf(scene: Scene, index: int, material: Material) -> Node:
             "int_ior": (1 + root) / (1 - root),
             "diffuse_reflectance": base,
         }
+    q = scene.material_table.maps[index, NORMAL_MAP]
+    if q >= 0:
+        bumps = {"type": "bitmap", "bitmap": mi.Bitmap(_image(scene, q)), "raw": True}
+        # As light meets the bent normal and nothing else.
+        plain = {"use_shadowing_function": False, "flip_invalid_normals": False}
+        inner = {"type": "normalmap", "normalmap": bumps, "bsdf": inner, **plain}
     return {"type": "twosided", "bsdf": inner}
 
 
@@ -169,9 +179,21 @@ def _alpha(material: Any) -> float:
     """GGX's α of a lobe; that of a cosine power by Walter et al. 2007, §5.2."""
     if isinstance(material, Ggx):
         return float(max(material.roughness**2, 0.002))
-    # The lobe of a mirror direction is four times as sharp as that of a half vector.
-    exponent = material.exponent if isinstance(material, BlinnPhong) else 4 * material.exponent
+    if isinstance(material, AshikhminShirley):
+        exponent = math.sqrt((material.exponent_u + 1) * (material.exponent_v + 1)) - 1
+    elif isinstance(material, BlinnPhong):
+        exponent = material.exponent
+    else:
+        # The lobe of a mirror direction is four times as sharp as that of a half vector.
+        exponent = 4 * (
+            _sharpest(material) if isinstance(material, Lafortune) else material.exponent
+        )
     return float(np.sqrt(2 / (exponent + 2)))
+
+
+def _sharpest(material: Lafortune) -> float:
+    """Exponent of the lobe that is a highlight, its channels' mean."""
+    return max(sum(lobe.exponent) / 3 for lobe in material.lobes)
 
 
 def _texture(
@@ -182,13 +204,19 @@ def _texture(
     q = table.maps[index, TEXTURE_SLOTS.index("diffuse")]
     if q < 0:
         return _rgb(constant + more)
-    first, width, height = table.texture[q]
-    image = table.texels[first : first + width * height].reshape(height, width, 3) * constant + more
+    image = _image(scene, q) * constant + more
     return {
         "type": "bitmap",
         "bitmap": mi.Bitmap(np.ascontiguousarray(image, np.float32)),
         "raw": True,
     }
+
+
+def _image(scene: Scene, q: int) -> NDArray[np.float32]:
+    """Texture q as (height, width, 3)."""
+    first, width, height = scene.material_table.texture[q]
+    texels = scene.material_table.texels[first : first + width * height]
+    return np.ascontiguousarray(texels.reshape(height, width, 3), np.float32)
 
 
 def _emitter(light: Light, lamp_albedo: Any) -> Node:

@@ -35,6 +35,9 @@ SWEEPS: dict[str, dict[str, tuple[Any, ...]]] = {
         "coefficients": (25, 50, 100, 200, 400),
         "bounce_coefficients": (20, 40, 80, 160),
         "gather_samples": (4096, 16384, 65536, 262144),
+        "cloud": ("uniform", "importance"),
+        "gather": ("rays", "links"),
+        "view_rays": (89, 233, 610, 1597),
         "bounces": (0, 1, 2, 3, 5),
     },
 }

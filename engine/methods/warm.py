@@ -102,7 +102,7 @@ PARTS: dict[str, Callable[[Report], None]] = {"pictures": _pictures, "transport"
 
 
 def tiny_scene() -> Scene:
-    """8 x 8 pixels with every material, every light and an environment."""
+    """32 x 32 pixels with every material, every light and its shadows, and an environment."""
     spheres = [
         {
             "name": f"ball {i}",
@@ -112,21 +112,27 @@ def tiny_scene() -> Scene:
         }
         for i in range(len(MODELS))
     ]
+    floor = {
+        "name": "floor",
+        "mesh": {"shape": "rectangle", "size": [8, 8]},
+        "material": "material 0",
+        "transform": {"translate": (0, -0.5, 0), "rotate_degrees": (-90, 0, 0)},
+    }
     kinds = [model.model_fields["type"].default for model in MODELS]
     document = {
-        "camera": {"position": (0, 1, 4), "target": (0, 0, 0), "width": 8, "height": 8},
+        "camera": {"position": (0, 1, 4), "target": (0, 0, 0), "width": 32, "height": 32},
         "environment": {"map": "studio"},
         "lights": [_light(light.model_fields) for light in LIGHTS],
         "materials": {f"material {i}": {"type": kind} for i, kind in enumerate(kinds)},
-        "objects": spheres,
+        "objects": [floor, *spheres],
     }
     return build(describe(document), Path())
 
 
 def _light(fields: Any) -> dict[str, Any]:
-    """A light above the middle, whatever its kind calls its place."""
+    """A light above the middle, in sight, whatever its kind calls its place."""
     usual = {
-        "position": (0, 2, 0),
+        "position": (0, 1.2, 0),
         "target": (0, 0, 0.1),
         "direction": (0, -1, 0.1),
         "width": 0.3,

@@ -93,9 +93,9 @@ def _send(world, seed, light, index, rays, hits, shadow):
         # Stand on the surface.
         triangle, b1, b2 = hits.triangle[k], np.float64(hits.b1[k]), np.float64(hits.b2[k])
         back = scale(vec(rays.direction, k), -1.0)
-        frame = frame_at(world.geometry, triangle, b1, b2, back)
+        frame = frame_at(world.geometry, world.materials, triangle, b1, b2, back)
         x = add(position(world.geometry, triangle, b1, b2), scale(frame[0], world.epsilon))
-        model = parameters(world.geometry, world.materials, triangle, b1, b2, p)
+        model = parameters(world.geometry, world.materials, triangle, b1, b2, frame[3], p)
         wo = to_local(back, frame[1], frame[2], frame[3])
 
         # Choose where to look, and what a radiance of one or the light's own brings from there.

@@ -165,11 +165,11 @@ def bounce_paths(world, seed, bounce, last, now, n, hits, index, radiance, shado
         # Stand on the surface.
         b1, b2 = np.float64(hits.b1[k]), np.float64(hits.b2[k])
         back = scale(d, -1.0)
-        frame = frame_at(world.geometry, triangle, b1, b2, back)
+        frame = frame_at(world.geometry, world.materials, triangle, b1, b2, back)
         g, s, t, normal = frame
         wo = to_local(back, s, t, normal)
         x = add(position(world.geometry, triangle, b1, b2), scale(g, world.epsilon))
-        model = parameters(world.geometry, world.materials, triangle, b1, b2, p)
+        model = parameters(world.geometry, world.materials, triangle, b1, b2, normal, p)
         vertex = bounce + 1
 
         # Ask one light for its share, if nothing is in the way.

@@ -26,9 +26,9 @@ def number(seed, index, bounce, place):
 
 
 @njit(inline="always")
-def frame_at(geometry, triangle, b1, b2, wo):
+def frame_at(geometry, materials, triangle, b1, b2, wo):
     """(geometric normal, s, t, shading normal): all unit, the normals on the side of wo."""
-    g, n = normals(geometry, triangle, b1, b2, wo)
+    g, n = normals(geometry, materials, triangle, b1, b2, wo)
     s, t = tangents(n)
     return g, s, t, n
 

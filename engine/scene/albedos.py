@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from engine.brdf.albedo import albedo_diagnosis
+from engine.brdf.ashikhmin_shirley import AshikhminShirley
 from engine.brdf.base import Material
 from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.diffuse import Diffuse
@@ -24,7 +25,7 @@ def albedo_diagnoses(
     for m, (name, material) in enumerate(zip(names, materials, strict=True)):
         # Measuring takes a while, so leave out what cannot pass 1: models that conserve energy, and
         # normalised lobes over a base whose colours add up to no more than 1.
-        if isinstance(material, Diffuse | Ggx):
+        if isinstance(material, Diffuse | Ggx | AshikhminShirley):
             continue
         if isinstance(material, Phong | BlinnPhong) and (
             np.max(np.add(material.diffuse, material.specular)) <= 1.0 + 1e-6

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from engine.brdf.base import GRAIN
 from engine.brdf.diffuse import Diffuse
 from engine.diagnosis import Diagnosis
 from engine.errors import SceneError
@@ -16,16 +17,17 @@ from engine.light.maps import load_environment
 from engine.scene import framing, lighting, shapes
 from engine.scene.albedos import albedo_diagnoses
 from engine.scene.camera import Camera
-from engine.scene.description import Object, SceneDescription, split
+from engine.scene.description import NormalMap, Object, SceneDescription, split
 from engine.scene.explain import closest
 from engine.scene.geometry import Placed, assemble
 from engine.scene.mesh_files import MeshFile, read_mesh_file, unique
 from engine.scene.mtl import capped
 from engine.scene.rays import RayTracer
 from engine.scene.scene import Geometry, MaterialTable, Scene
+from engine.scene.surface import NORMAL_MAP
 from engine.scene.surfaces import Surface
 from engine.scene.tables import material_table
-from engine.scene.textures import MAX_SIDE, Image, read_image
+from engine.scene.textures import MAX_SIDE, Image, read_image, steeper
 
 
 class _Builder:
@@ -94,11 +96,13 @@ def build(description: SceneDescription, folder: Path, file: str = "") -> Scene:
     made = _Builder()
     images: dict[tuple[Path, bool], Image] = {}
     for name, material in description.materials.items():
-        constants, files = split(material)
-        slots = {
-            slot: _texture(folder, image, f"materials.{name}.{slot}", images, made.diagnoses)
-            for slot, image in files.items()
-        }
+        constants, textures = split(material)
+        slots = {}
+        for slot, texture in textures.items():
+            place = f"materials.{name}.{slot}"
+            slots[slot] = _texture(folder, texture.texture, place, images, made.diagnoses)
+            if isinstance(texture, NormalMap):
+                slots[slot] = steeper(slots[slot], texture.strength)
         made.surfaces[name] = Surface(constants, slots)
     for index, thing in enumerate(description.objects):
         _add_object(made, thing, index, folder, list(description.materials))
@@ -182,7 +186,7 @@ def _texture(
     images: dict[tuple[Path, bool], Image],
     diagnoses: list[Diagnosis],
 ) -> Image:
-    path, srgb = folder / name, not field.endswith(".roughness")
+    path, srgb = folder / name, not field.endswith((".roughness", ".normal"))
     if not path.is_file():
         raise SceneError("there is no such file", field=f"{field}.texture", file=str(path))
     if (path, srgb) not in images:
@@ -213,17 +217,28 @@ def _checked(lights: Sequence[Light] | None, folder: Path) -> tuple[Light, ...] 
 def _without_coordinates(
     geometry: Geometry, table: MaterialTable, names: Sequence[str]
 ) -> list[Diagnosis]:
-    """What to say of textured materials on surfaces without texture coordinates."""
+    """What to say of textured or brushed materials on surfaces without texture coordinates."""
     # A vertex may well lie at the origin of the texture, but hardly all of a material's.
     count = np.bincount(geometry.material, minlength=len(names))
     mapped = geometry.material[np.abs(geometry.uvs[geometry.triangles]).max(axis=(1, 2)) > 0]
     bare = (count > 0) & (np.bincount(mapped, minlength=len(names)) == 0)
-    whole = [names[m] for m in np.flatnonzero(bare & (table.maps.max(axis=1) >= 0)).tolist()]
+    textured = table.maps[:, :NORMAL_MAP].max(axis=1) >= 0
+    lacking = (
+        (textured, "a texture", "one texel colours them all"),
+        (~textured & (table.maps[:, NORMAL_MAP] >= 0), "a normal map", "they stay smooth"),
+    )
     return [
         Diagnosis(
             "no_texture_coordinates",
-            f"material {name!r} has a texture but its surfaces have no texture coordinates: "
-            "one texel colours them all",
+            f"material {names[m]!r} has {what} but its surfaces have no texture coordinates: {so}",
         )
-        for name in whole
+        for which, what, so in lacking
+        for m in np.flatnonzero(bare & which).tolist()
+    ] + [
+        Diagnosis(
+            "no_tangents",
+            f"material {names[m]!r} is brushed along the texture coordinates, but its surfaces "
+            "have none: the grain lies as it comes, and may turn where it should run straight",
+        )
+        for m in np.flatnonzero(bare & table.row[:, GRAIN:].any(axis=1)).tolist()
     ]

@@ -17,7 +17,7 @@ from engine.numerics.description import Description, Finite, Point, Reflectance,
 from engine.scene.camera import Camera
 from engine.scene.shapes import AnyShape
 
-TEXTURE_SLOTS = ("diffuse", "specular", "roughness")
+TEXTURE_SLOTS = ("diffuse", "specular", "roughness", "normal")
 
 
 class Texture(Description):
@@ -30,9 +30,19 @@ class Texture(Description):
     factor: Unit | Reflectance = 1.0
 
 
+class NormalMap(Description):
+    """An image of normals n, x along u and y along v: red, green and blue are (n + 1) / 2.
+
+    `strength` multiplies x and y.
+    """
+
+    texture: Annotated[str, Field(min_length=1, description="image file beside the description")]
+    strength: Annotated[float, Field(ge=0, le=10)] = 1.0
+
+
 def _textured(model: type[Material]) -> type[Material]:
     """The same material with a texture allowed wherever the kernels know how to look one up."""
-    fields: dict[str, Any] = {}
+    fields: dict[str, Any] = {"normal": (NormalMap | None, Field(None, description="a normal map"))}
     for slot in TEXTURE_SLOTS:
         if slot in model.model_fields:
             field = model.model_fields[slot]
@@ -48,16 +58,19 @@ TEXTURED: dict[type[Material], type[Material]] = {_textured(model): model for mo
 AnyTexturedMaterial: TypeAlias = Annotated[Union[tuple(TEXTURED)], Field(discriminator="type")]  # type: ignore[valid-type]  # noqa: UP007
 
 
-def split(described: Material) -> tuple[Material, dict[str, str]]:
-    """A material as described, into its constants and its texture files by slot."""
-    constants, files = described.model_dump(), {}
+def split(described: Material) -> tuple[Material, dict[str, Texture | NormalMap]]:
+    """A material as described, into its constants and its textures by slot."""
+    constants = described.model_dump(exclude={"normal"})
+    textures: dict[str, Texture | NormalMap] = {}
     for slot in TEXTURE_SLOTS:
         texture = getattr(described, slot, None)
         if isinstance(texture, Texture):
-            files[slot] = texture.texture
+            textures[slot] = texture
             factor = np.broadcast_to(texture.factor, 3).tolist()
             constants[slot] = factor[0] if slot == "roughness" else factor
-    return TEXTURED[type(described)].model_validate(constants), files
+        elif isinstance(texture, NormalMap):
+            textures[slot] = texture
+    return TEXTURED[type(described)].model_validate(constants), textures
 
 
 class Transform(Description):

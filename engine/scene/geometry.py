@@ -13,6 +13,7 @@ from engine.errors import SceneError
 from engine.scene.normals import with_normals
 from engine.scene.part import Part
 from engine.scene.scene import Geometry
+from engine.scene.tangents import vertex_tangents
 
 MAX_COORDINATE = 1e9  # metres; beyond it float32 has nothing left for the shape
 
@@ -105,11 +106,18 @@ def _flat(parts: Sequence[Part], placed: Sequence[Placed]) -> Geometry:
     def flat(arrays: list[NDArray], dtype: type) -> NDArray:
         return np.ascontiguousarray(np.concatenate(arrays), dtype)
 
+    positions = flat([part.positions for part in parts], np.float32)
+    triangles = flat(
+        [p.triangles + start for p, start in zip(parts, starts[:-1], strict=True)], np.int32
+    )
+    normals = flat([part.normals for part in parts if part.normals is not None], np.float32)
+    uvs = flat([part.uvs for part in parts if part.uvs is not None], np.float32)
     return Geometry(
-        flat([part.positions for part in parts], np.float32),
-        flat([p.triangles + start for p, start in zip(parts, starts[:-1], strict=True)], np.int32),
-        flat([part.normals for part in parts if part.normals is not None], np.float32),
-        flat([part.uvs for part in parts if part.uvs is not None], np.float32),
+        positions,
+        triangles,
+        normals,
+        uvs,
+        vertex_tangents(positions, triangles, normals, uvs),
         np.repeat([place.material for place in placed], counts).astype(np.int32),
         np.repeat([place.object for place in placed], counts).astype(np.int32),
     )

@@ -2,8 +2,8 @@
 
 Materials (glTF 2.0 §3.9.2, appendix B): diffuse = base (1 - metallic), reflectance at normal
 incidence = 0.04 (1 - metallic) + base · metallic, roughness as it is; texel by texel where there
-are textures. Lights: KHR_lights_punctual; candela and lux are divided by 683 lm/W, since intensity
-here is W·sr⁻¹ and W·m⁻² up to a common scale.
+are textures; normal textures bend the normals. Lights: KHR_lights_punctual; candela and lux are
+divided by 683 lm/W, since intensity here is W·sr⁻¹ and W·m⁻² up to a common scale.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from engine.light.spot import SpotLight
 from engine.scene.camera import Camera
 from engine.scene.mtl import capped, opaque
 from engine.scene.surfaces import Surface
-from engine.scene.textures import MAX_SIDE, Image, read_image, resized
+from engine.scene.textures import MAX_SIDE, Image, read_image, resized, steeper
 
 LUMENS_PER_WATT = 683.0
 IGNORED = {
@@ -105,6 +105,10 @@ class Converter:
             images["diffuse"] = np.asarray(colours * (1 - metal), np.float32)
             images["specular"] = np.asarray(0.04 * (1 - metal) + base * colours * metal, np.float32)
             diffuse, specular = base, np.ones(3)
+        bumps = self._image(material.normalTexture, srgb=False)
+        if bumps is not None:
+            strength = exact.get("normalTexture", {}).get("scale", 1.0)
+            images["normal"] = steeper(bumps, float(strength))
         made = Ggx(
             emission=emission,
             diffuse=tuple(diffuse.tolist()),

@@ -3,7 +3,8 @@
 MTL has no measured meaning, so this is a choice: Kd is the diffuse reflectance; where Ks is not
 black, it is the reflectance of a Blinn-Phong lobe with exponent Ns. Kd is lowered where Kd + Ks
 would reflect more than it receives. map_Kd multiplies Kd, or replaces it where Kd is black, as
-exporters write it. Ke is emitted radiance. Transparency is not modelled.
+exporters write it. `norm` is a normal map; heights (`map_Bump`) are left out, as MTL gives them no
+unit. Ke is emitted radiance. Transparency is not modelled.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ class Converter:
 
     def __init__(self, companions: Companions) -> None:
         self.companions = companions
-        self._images: dict[Path, Image] = {}
+        self._images: dict[tuple[Path, bool], Image] = {}
         self._reduced: list[Diagnosis] = []
         self._transparent: list[str] = []
         self._limited: dict[str, float] = {}
@@ -61,6 +62,8 @@ class Converter:
             self._add(images, "diffuse", named_image(material))
         if "map_ks" in words:
             self._add(images, "specular", " ".join(words["map_ks"]))
+        if "norm" in words:
+            self._add(images, "normal", " ".join(words["norm"]))
         if "diffuse" in images and not diffuse.any():
             diffuse = np.ones(3)
         if "specular" in images and not specular.any():
@@ -89,11 +92,12 @@ class Converter:
         path = self.companions.find(name)
         if path is None:
             return
-        if path not in self._images:
-            self._images[path], side = read_image(path, path.name, srgb=True)
+        key = path, slot != "normal"
+        if key not in self._images:
+            self._images[key], side = read_image(path, path.name, srgb=key[1])
             if side > MAX_SIDE:
                 self._reduced.append(capped(path.name, side))
-        images[slot] = self._images[path]
+        images[slot] = self._images[key]
 
 
 def named_image(material: Any) -> str:

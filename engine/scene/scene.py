@@ -25,6 +25,7 @@ class Geometry(NamedTuple):
     triangles  (t, 3) int32     counter-clockwise seen from outside
     normals    (v, 3) float32   unit length, for shading
     uvs        (v, 2) float32   texture coordinates, origin at the lower left
+    tangents   (v, 3) float32   along the first of them, see `engine.scene.tangents`; or 0
     material   (t,) int32       index into the scene's materials
     object     (t,) int32       index into the scene's objects
     """
@@ -33,6 +34,7 @@ class Geometry(NamedTuple):
     triangles: NDArray[np.int32]
     normals: NDArray[np.float32]
     uvs: NDArray[np.float32]
+    tangents: NDArray[np.float32]
     material: NDArray[np.int32]
     object: NDArray[np.int32]
 
@@ -41,9 +43,10 @@ class MaterialTable(NamedTuple):
     """All materials; a kernel argument as it is.
 
     model     (m,) int32          index into `engine.brdf.table.MODELS`
-    row       (m, 16) float32     parameters, see `engine.brdf.base`
+    row       (m, ROW) float32    parameters, see `engine.brdf.base`
     emission  (m, 3) float32      radiance
-    maps      (m, 3) int32        textures that multiply diffuse, specular, roughness; -1 is none
+    maps      (m, 4) int32        textures that multiply diffuse, specular, roughness, and the one
+                                  of normals; -1 is none
     texture   (q, 3) int32        per texture: first texel, width, height
     texels    (k, 3) float32      linear RGB, rows from the bottom up
     """

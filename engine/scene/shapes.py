@@ -60,6 +60,20 @@ class Cylinder(Description):
     sides: Annotated[int, Field(ge=3, le=1024)] = 48
 
 
+class TorusKnot(Description):
+    """A tube about a curve that winds round a torus about the y axis: `turns[0]` times round the
+    axis, `turns[1]` times round the ring. The texture's u runs along the tube, v around it.
+    """
+
+    shape: Literal["torus_knot"]
+    turns: tuple[Annotated[int, Field(ge=1, le=16)], Annotated[int, Field(ge=0, le=16)]] = (2, 3)
+    radius: Size = 0.5
+    ring: Size = 0.2
+    tube: Size = 0.1
+    segments: Annotated[int, Field(ge=8, le=8192)] = 384
+    sides: Annotated[int, Field(ge=3, le=512)] = 32
+
+
 class Polygons(Description):
     """Flat convex polygons given by their corners, counter-clockwise seen from the front.
 
@@ -79,7 +93,8 @@ class Polygons(Description):
 
 
 AnyShape = Annotated[
-    Rectangle | Box | Sphere | Disk | Cylinder | Polygons, Field(discriminator="shape")
+    Rectangle | Box | Sphere | Disk | Cylinder | TorusKnot | Polygons,
+    Field(discriminator="shape"),
 ]
 
 
@@ -184,6 +199,32 @@ def _cylinder(shape: Cylinder) -> Part:
     return _joined(parts)
 
 
+def _torus_knot(shape: TorusKnot) -> Part:
+    v, u = np.mgrid[0 : shape.sides + 1, 0 : shape.segments + 1].reshape(2, -1) / np.array(
+        [[shape.sides], [shape.segments]]
+    )
+    about, (p, q) = 2 * np.pi * (v % 1), shape.turns  # the seams close exactly
+    phi, theta = p * 2 * np.pi * (u % 1), q * 2 * np.pi * (u % 1)
+    zero = np.zeros_like(u)
+    away = np.stack([np.sin(phi), zero, np.cos(phi)], axis=1)
+    outward = np.cos(theta)[:, None] * away + np.stack([zero, np.sin(theta), zero], axis=1)
+    centre = shape.radius * away + shape.ring * outward
+    # Along the curve: round the axis as far as its distance from it, and round the ring.
+    turn = np.stack([np.cos(phi), zero, -np.sin(phi)], axis=1)
+    rise = np.stack([zero, np.cos(theta), zero], axis=1) - np.sin(theta)[:, None] * away
+    along = p * (shape.radius + shape.ring * np.cos(theta))[:, None] * turn + q * shape.ring * rise
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    # The torus's own normal is perpendicular to every curve on it.
+    side = np.cross(outward, along)
+    normals = np.cos(about)[:, None] * outward + np.sin(about)[:, None] * side
+    return Part(
+        centre + shape.tube * normals,
+        _grid_triangles(shape.sides, shape.segments),
+        normals,
+        np.stack([u, v], axis=1),
+    )
+
+
 def _polygons(shape: Polygons) -> Part:
     parts = []
     for polygon in shape.polygons:
@@ -219,5 +260,6 @@ _MAKERS: dict[type, Callable[[Any], Part]] = {
     Sphere: _sphere,
     Disk: _disk,
     Cylinder: _cylinder,
+    TorusKnot: _torus_knot,
     Polygons: _polygons,
 }

@@ -6,7 +6,13 @@ import math
 
 from numba import njit
 
+from engine.brdf.base import GRAIN
+from engine.numerics.frames import tangents
 from engine.numerics.vec import add, cross, dot, normalize, scale, sub, vec
+from engine.scene.description import TEXTURE_SLOTS
+from engine.scene.tangents import grain
+
+NORMAL_MAP = TEXTURE_SLOTS.index("normal")
 
 
 @njit
@@ -32,7 +38,48 @@ def geometric_normal(geometry, triangle):
 
 
 @njit
-def normals(geometry, triangle, b1, b2, w):
+def _interpolated(values, corners, b1, b2):
+    """(u, v) at barycentrics (b1, b2) of three rows of values (n, 2)."""
+    a, b, c = corners
+    b0 = 1.0 - b1 - b2
+    return (
+        b0 * values[a, 0] + b1 * values[b, 0] + b2 * values[c, 0],
+        b0 * values[a, 1] + b1 * values[b, 1] + b2 * values[c, 1],
+    )
+
+
+@njit
+def _bent(geometry, materials, triangle, b1, b2, n):
+    """The unit normal n, on the counter-clockwise side, as a normal map has it.
+
+    x of the map runs along ∂x/∂u of the flat triangle, made perpendicular to n, and y along ∂x/∂v.
+    Where the texture coordinates are degenerate n stays as it is.
+    """
+    a, b, c = geometry.triangles[triangle]
+    origin = vec(geometry.positions, a)
+    e1 = sub(vec(geometry.positions, b), origin)
+    e2 = sub(vec(geometry.positions, c), origin)
+    u1, v1 = geometry.uvs[b, 0] - geometry.uvs[a, 0], geometry.uvs[b, 1] - geometry.uvs[a, 1]
+    u2, v2 = geometry.uvs[c, 0] - geometry.uvs[a, 0], geometry.uvs[c, 1] - geometry.uvs[a, 1]
+    side = 1.0 if u1 * v2 - u2 * v1 > 0.0 else -1.0
+    along_u = scale(sub(scale(e1, v2), scale(e2, v1)), side)
+    along_v = scale(sub(scale(e2, u1), scale(e1, u2)), side)
+    s = normalize(sub(along_u, scale(n, dot(n, along_u))))
+    t = cross(n, s)
+    if dot(t, along_v) < 0.0:
+        t = scale(t, -1.0)
+    if dot(s, s) == 0.0:
+        return n
+    u, v = _interpolated(geometry.uvs, (a, b, c), b1, b2)
+    x, y, z = _texel(materials, materials.maps[geometry.material[triangle], NORMAL_MAP], u, v)
+    bent = normalize(
+        add(add(scale(s, 2.0 * x - 1.0), scale(t, 2.0 * y - 1.0)), scale(n, 2.0 * z - 1.0))
+    )
+    return bent if dot(bent, bent) > 0.0 else n
+
+
+@njit
+def normals(geometry, materials, triangle, b1, b2, w):
     """(geometric, shading) unit normals, both turned to the side of the direction w.
 
     Surfaces are two-sided: light and eye may come from either side and meet the same BRDF. The
@@ -50,6 +97,8 @@ def normals(geometry, triangle, b1, b2, w):
     )
     if dot(s, g) < 0.0:
         s = scale(s, -1.0)
+    if materials.maps[geometry.material[triangle], NORMAL_MAP] >= 0:
+        s = _bent(geometry, materials, triangle, b1, b2, s)
     if dot(g, w) < 0.0:
         g, s = scale(g, -1.0), scale(s, -1.0)
     below = dot(s, w)
@@ -79,16 +128,20 @@ def _texel(materials, texture, u, v):
 
 
 @njit
-def parameters(geometry, materials, triangle, b1, b2, out):
-    """Fill out (16,) with the BRDF parameters at a point; returns the model's index."""
+def parameters(geometry, materials, triangle, b1, b2, n, out):
+    """Fill out (ROW,) with the BRDF parameters at a point; returns the model's index.
+
+    n is the shading normal there, about whose frame the grain of an anisotropic material is turned.
+    """
     m = geometry.material[triangle]
     for k in range(out.shape[0]):
         out[k] = materials.row[m, k]
+    if out[GRAIN] != 0.0 or out[GRAIN + 1] != 0.0:
+        s, t = tangents(n)
+        out[GRAIN], out[GRAIN + 1] = grain(geometry, triangle, b1, b2, s, t)
     if materials.maps[m, 0] >= 0 or materials.maps[m, 1] >= 0 or materials.maps[m, 2] >= 0:
         a, b, c = geometry.triangles[triangle]
-        b0 = 1.0 - b1 - b2
-        u = b0 * geometry.uvs[a, 0] + b1 * geometry.uvs[b, 0] + b2 * geometry.uvs[c, 0]
-        v = b0 * geometry.uvs[a, 1] + b1 * geometry.uvs[b, 1] + b2 * geometry.uvs[c, 1]
+        u, v = _interpolated(geometry.uvs, (a, b, c), b1, b2)
         for slot in range(2):
             if materials.maps[m, slot] >= 0:
                 t = _texel(materials, materials.maps[m, slot], u, v)

@@ -59,6 +59,15 @@ def linear(srgb: Image) -> Image:
     return np.where(srgb <= 0.04045, low, high).astype(np.float32)
 
 
+def steeper(normals: Image, strength: float) -> Image:
+    """A normal map whose x and y are so many times as large."""
+    if strength == 1:
+        return normals
+    # Its numbers are (n + 1) / 2; what leaves 0 to 1 is none the worse as no bytes hold it.
+    factor = np.array([strength, strength, 1], np.float32)
+    return np.float32(0.5) + (normals - np.float32(0.5)) * factor
+
+
 def resized(values: Image, width: int, height: int) -> Image:
     """Another size, by averaging areas where it shrinks."""
     channels = [

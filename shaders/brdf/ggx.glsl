@@ -1,21 +1,9 @@
 // Twin of engine/brdf/ggx.py, which says where the formulas are from.
 
 #include "brdf/base.glsl"
+#include "brdf/fresnel.glsl"
 
 const float MIN_ALPHA = 0.002;
-
-float f90(vec3 f0)
-{
-    return min(1.0, 50.0 * max(f0.x, max(f0.y, f0.z)));
-}
-
-// Schlick's F for a colour.
-vec3 fresnel(vec3 f0, float cosine)
-{
-    float c = 1.0 - clamp(cosine, 0.0, 1.0);
-    float w = c * c * c * c * c;
-    return f0 * (1.0 - w) + f90(f0) * w;
-}
 
 // D, with 1 - cos² written as x² + y² so that sharp lobes keep their digits.
 float distribution(float alpha, vec3 h)

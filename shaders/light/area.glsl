@@ -1,11 +1,14 @@
 // Twin of engine/light/area.py: even over the solid angle of the rectangle (Ureña, Fajardo, King
 // 2013), from far away over its area.
 
+#include "common/angles.glsl"
 #include "common/sampling.glsl"
 #include "light/base.glsl"
 
 const float NEAREST = 1e-9;
+const float CLOSE = 0.75;
 const float FAR = 2.5;
+const float VERY_FAR = 4.0;
 const float SMALL = 1e-6;
 
 // Solid angle of a triangle by its three corners and their triple product (Van Oosterom and
@@ -31,7 +34,8 @@ vec2 turned_back(vec2 a, vec2 b)
     return vec2(a.x * b.x + a.y * b.y, a.y * b.x - a.x * b.y);
 }
 
-Lit illuminate_area(float p[LIGHT_ROW], vec3 x, float size, vec2 u)
+// Even over the solid angle, from `far` diagonals on over the area.
+Lit shine(float p[LIGHT_ROW], vec3 x, vec2 u, float far)
 {
     vec3 along = vec3(p[9], p[10], p[11]), up = vec3(p[12], p[13], p[14]), c = place(p) - x;
     vec2 middle = vec2(dot(c, along), dot(c, up)), half_size = vec2(p[15], p[16]);
@@ -40,7 +44,7 @@ Lit illuminate_area(float p[LIGHT_ROW], vec3 x, float size, vec2 u)
         return UNLIT;
     vec2 low = middle - half_size, high = middle + half_size, wide = 2.0 * half_size;
     float solid = 0.0;
-    if (dot(middle, middle) + z * z <= FAR * FAR * dot(wide, wide)) {
+    if (dot(middle, middle) + z * z <= far * far * dot(wide, wide)) {
         float product = z * wide.x * wide.y;
         vec3 first = vec3(low, z), last = vec3(high, z);
         solid = triangle_solid(first, vec3(high.x, low.y, z), last, product)
@@ -71,6 +75,67 @@ Lit illuminate_area(float p[LIGHT_ROW], vec3 x, float size, vec2 u)
         weight = p[17] * z / (r * r * r);
     vec3 w = (at.x * along + at.y * up - z * axis(p)) / r;
     return Lit(w, r, intensity(p) * weight);
+}
+
+Lit illuminate_area(float p[LIGHT_ROW], vec3 x, float size, vec2 u)
+{
+    return shine(p, x, u, FAR);
+}
+
+Lit glance_area(float p[LIGHT_ROW], vec3 x, float size, vec2 u)
+{
+    return shine(p, x, u, CLOSE);
+}
+
+// ½ n · (a × b) / |a × b| · angle of a and b.
+float side(vec3 a, vec3 b, vec3 n)
+{
+    float i = 1.0 / (length(a) * length(b));
+    return 0.5 * i * dot(n, cross(a, b)) * angle_over_sine(dot(a, b) * i);
+}
+
+vec3 irradiance_area(float p[LIGHT_ROW], vec3 x, vec3 n, vec3 g)
+{
+    mat3 axes = mat3(vec3(p[9], p[10], p[11]), vec3(p[12], p[13], p[14]), -axis(p));
+    vec3 c = (place(p) - x) * axes, m = n * axes, flat_m = g * axes;
+    if (c.z < NEAREST)
+        return vec3(0.0);
+    vec2 half_size = vec2(p[15], p[16]);
+    float up = dot(c, m), reach = dot(half_size, abs(m.xy));
+    float high = dot(c, flat_m), wide = dot(half_size, abs(flat_m.xy));
+    if (up <= -reach || high <= -wide)
+        return vec3(0.0);
+    if (high < wide && !shares_plane(n, g))
+        return UNKNOWN;
+    float e = 0.0;
+    if (up >= reach && dot(c, c) > 4.0 * VERY_FAR * VERY_FAR * dot(half_size, half_size)) {
+        // Gauss's four points.
+        for (int k = 0; k < 4; k++) {
+            vec2 sign = vec2(2 * (k & 1) - 1, (k & 2) - 1);
+            vec3 d = vec3(c.xy + 0.57735026919 * sign * half_size, c.z);
+            e += dot(d, m) / (dot(d, d) * dot(d, d));
+        }
+        e *= half_size.x * half_size.y * c.z;
+    } else {
+        // Its sides, of which the horizon cuts off what is below and lays one side in itself.
+        vec2 sign[4] = vec2[4](vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, 1));
+        vec3 comes = c, goes = c;
+        for (int k = 0; k < 4; k++) {
+            vec3 a = vec3(c.xy + sign[k] * half_size, c.z);
+            vec3 b = vec3(c.xy + sign[(k + 1) % 4] * half_size, c.z);
+            float ha = dot(a, m), hb = dot(b, m);
+            if (ha <= 0.0 && hb <= 0.0)
+                continue;
+            vec3 between = a + (ha != hb ? ha / (ha - hb) : 0.0) * (b - a);
+            if (ha <= 0.0)
+                a = comes = between;
+            else if (hb <= 0.0)
+                b = goes = between;
+            e += side(a, b, m);
+        }
+        e = max(0.0, up < reach ? e + side(goes, comes, m) : e);
+    }
+    return intensity(p) * e;
 }
 
 vec4 emitted_area(float p[LIGHT_ROW], vec3 o, vec3 d)

@@ -5,6 +5,7 @@
 #include "light/base.glsl"
 
 const float NEAREST = 1e-9;
+const float CLOSE = 1.0;
 
 // f = 1 - √(k / (1 + k)), with its digits for large k too.
 float height(float k)
@@ -56,4 +57,34 @@ vec4 emitted_disk(float p[LIGHT_ROW], vec3 o, vec3 d)
     float facing = -dot(d, axis(p)), t = dot(c, axis(p)) / facing;
     vec3 hit = c + t * d;
     return facing > 0.0 && t > 0.0 && dot(hit, hit) <= p[9] * p[9] ? vec4(intensity(p), t) : MISSED;
+}
+
+vec3 irradiance_disk(float p[LIGHT_ROW], vec3 x, vec3 n, vec3 g)
+{
+    vec3 m = axis(p), c = place(p) - x;
+    float h = -dot(c, m), radius2 = p[9] * p[9];
+    if (h < NEAREST)
+        return vec3(0.0);
+    float facing = dot(n, m), over = dot(g, m), up = dot(n, c), high = dot(g, c);
+    float reach = sqrt(radius2 * max(0.0, 1.0 - facing * facing));
+    float wide = sqrt(radius2 * max(0.0, 1.0 - over * over));
+    if (up <= -reach || high <= -wide)
+        return vec3(0.0);
+    if (up < reach || high < wide)
+        return UNKNOWN;
+    vec3 foot = c + h * m;
+    float h2 = h * h, a2 = dot(foot, foot), total = a2 + h2 + radius2, q = h2 + radius2 - a2;
+    float s = sqrt(q * q + 4.0 * a2 * h2);
+    float down = q > 0.0 ? q + s : 4.0 * a2 * h2 / (s - q);
+    return intensity(p) * (PI * radius2 / (s * (total + s)) * (2.0 * h * dot(n, foot) - down * facing));
+}
+
+Lit glance_disk(float p[LIGHT_ROW], vec3 x, float size, vec2 u)
+{
+    vec2 a = concentric_disk(u) * p[9];
+    vec3 d = place(p) - x + a.x * vec3(p[10], p[11], p[12]) + a.y * vec3(p[13], p[14], p[15]);
+    float h = -dot(d, axis(p)), r2 = dot(d, d), r = sqrt(r2);
+    if (h < CLOSE * p[9])
+        return illuminate_disk(p, x, size, u);
+    return Lit(d / r, r, intensity(p) * (PI * p[9] * p[9] * h / (r * r2)));
 }

@@ -3,6 +3,7 @@
 #include "common/frames.glsl"
 #include "common/sampling.glsl"
 #include "light/base.glsl"
+#include "light/cap.glsl"
 
 Lit illuminate_sphere(float p[LIGHT_ROW], vec3 x, float size, vec2 u)
 {
@@ -33,3 +34,12 @@ vec4 emitted_sphere(float p[LIGHT_ROW], vec3 o, vec3 d)
         return MISSED;
     return vec4(intensity(p), max(0.0, along - sqrt(h2)));
 }
+
+vec3 irradiance_sphere(float p[LIGHT_ROW], vec3 x, vec3 n, vec3 g)
+{
+    vec3 c = place(p) - x;
+    float d2 = dot(c, c), radius2 = p[9] * p[9];
+    return d2 <= radius2 ? vec3(0.0) : cap_irradiance(p, c / sqrt(d2), radius2 / d2, n, g);
+}
+
+#define glance_sphere illuminate_sphere

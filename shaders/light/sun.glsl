@@ -3,6 +3,7 @@
 #include "common/frames.glsl"
 #include "common/sampling.glsl"
 #include "light/base.glsl"
+#include "light/cap.glsl"
 
 Lit illuminate_sun(float p[LIGHT_ROW], vec3 x, float size, vec2 u)
 {
@@ -18,3 +19,10 @@ vec4 emitted_sun(float p[LIGHT_ROW], vec3 o, vec3 d)
     vec3 a = axis(p) + d;
     return 0.5 * dot(a, a) <= p[9] ? vec4(intensity(p), 1e30) : MISSED;
 }
+
+vec3 irradiance_sun(float p[LIGHT_ROW], vec3 x, vec3 n, vec3 g)
+{
+    return cap_irradiance(p, -axis(p), p[9] * (2.0 - p[9]), n, g);
+}
+
+#define glance_sun illuminate_sun

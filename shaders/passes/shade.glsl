@@ -17,6 +17,15 @@ uniform float u_epsilon; // metres that rays start off the surface
 // Both may hold of a light with extent, neither where there is no surface.
 const int HIDDEN = 1, VISIBLE = 2;
 
+// Whether anything lies between a place x, left at `start`, and a sample of the light.
+bool hidden(vec3 start, vec3 x, Lit l)
+{
+    // Almost to the light; a light at infinity is as far as a ray goes.
+    bool far = l.distance > 1e20;
+    vec3 way = far ? l.w : x + max(l.distance - u_epsilon, 0.0) * l.w - start;
+    return occluded(start, way, far ? 1e30 : 1.0);
+}
+
 // Reflected radiance of the light at x on the surface of point i, from `count` of its samples.
 // Without shadows nothing hides the light.
 vec3 light_at(int i, vec3 x, int first, int count, bool shadows, out int visible)
@@ -36,10 +45,7 @@ vec3 light_at(int i, vec3 x, int first, int count, bool shadows, out int visible
         vec3 f = evaluate(model, points[i].row, to_local(l.w, s, t, n), wo);
         if (f.x + f.y + f.z <= 0.0)
             continue;
-        // Almost to the light; a light at infinity is as far as a ray goes.
-        bool far = l.distance > 1e20;
-        vec3 way = far ? l.w : x + max(l.distance - u_epsilon, 0.0) * l.w - start;
-        if (shadows && occluded(start, way, far ? 1e30 : 1.0))
+        if (shadows && hidden(start, x, l))
             visible |= HIDDEN;
         else {
             visible |= VISIBLE;

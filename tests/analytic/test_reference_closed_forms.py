@@ -9,6 +9,7 @@ import pytest
 from closed_form import assert_mean, floor, scene
 
 from engine.brdf.albedo import albedo
+from engine.brdf.published import SKIN
 from engine.reference import render, render_direct
 from engine.scene.camera import Camera
 
@@ -217,8 +218,10 @@ def test_area_light_over_plane(kind):
             "specular": [0.5, 0.5, 0.4],
             "exponent": 200,
         },
+        {"type": "ashikhmin_shirley", "exponent_u": 3, "exponent_v": 400},
+        SKIN.model_dump(),
     ],
-    ids=["ggx rough", "ggx sharp", "phong", "blinn-phong"],
+    ids=["ggx rough", "ggx sharp", "phong", "blinn-phong", "ashikhmin-shirley", "skin"],
 )
 def test_gloss_under_white_sky(material):
     """A plane in a white furnace shows its albedo, as the engine's own quadrature has it."""

@@ -8,6 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.brdf import Material
+from engine.brdf.ashikhmin_shirley import AshikhminShirley
+from engine.brdf.ggx import Ggx
+from engine.brdf.published import PUBLISHED
 from engine.brdf.table import INDEX, MODELS
 
 ROUGH_ANGLES = (0.0, 35.0, 70.0)
@@ -19,7 +22,9 @@ def colours(description: type[Material]) -> list[str]:
     return [
         name
         for name, field in description.model_fields.items()
-        if name != "emission" and isinstance(field.default, tuple)
+        if name != "emission"
+        and isinstance(field.default, tuple)
+        and isinstance(field.default[0], float)
     ]
 
 
@@ -52,6 +57,9 @@ def extremes(description: type[Material]) -> list[Material]:
 
 def name_of(material: Material) -> str:
     """A readable test id."""
+    published = [name for name, known in PUBLISHED.items() if known is material]
+    if published:
+        return published[0].replace(" ", "-")
     given = material.model_dump(exclude_defaults=True)
     parts = [f"{k}={v[0] if isinstance(v, tuple) else v:g}" for k, v in given.items()]
     return "-".join([material.model_dump()["type"], *parts])
@@ -63,7 +71,9 @@ def model_and_row(material: Material) -> tuple[int, NDArray[np.float32]]:
 
 
 LOBES = [m for description in MODELS for m in lobes(description)]
-EXTREMES = [m for description in MODELS for m in extremes(description)]
+EXTREMES = [*(m for description in MODELS for m in extremes(description)), *PUBLISHED.values()]
+# Models whose reflectance rises to white at grazing angles, whatever their colours.
+WITH_FRESNEL = (Ggx, AshikhminShirley)
 
 
 def direction(theta_degrees: float, phi_degrees: float = 20.0) -> NDArray[np.float64]:

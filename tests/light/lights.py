@@ -112,6 +112,23 @@ def emitted(light: Light, o: ArrayLike, d: ArrayLike) -> NDArray[np.float64]:
     return out
 
 
+def irradiance(light: Light, x: ArrayLike, n: ArrayLike, g: ArrayLike) -> NDArray[np.float64]:
+    """(n, 3) of x, n and g (n, 3)."""
+    (a, b), (_, c) = _same(x, n), _same(x, g)
+    out = np.zeros((len(a), 3))
+    _irradiance(table.INDEX[type(light)], light.row(), a, b, c, out)
+    return out
+
+
+def glance(light: Light, x: ArrayLike, u: ArrayLike) -> NDArray[np.float64]:
+    """(n, 7) of x (n, 3) and u (n, 2), lengths of one repeated."""
+    a, b = _same(x, u)
+    out = np.zeros((len(a), 7))
+    packed = table.light_table([light])
+    _glance(packed.kind[0], packed.row[0], packed.texels, a, b, out)
+    return out
+
+
 def stratified(side: int, rng: np.random.Generator) -> NDArray[np.float64]:
     """(side², 2) jittered numbers."""
     i, j = np.meshgrid(np.arange(side), np.arange(side))
@@ -145,3 +162,17 @@ def _pdf(kind, row, x, w, out):
 def _emitted(kind, row, o, d, out):
     for i in range(len(o)):
         out[i, 0], out[i, 1], out[i, 2], out[i, 3] = table.emitted(kind, row, vec(o, i), vec(d, i))
+
+
+@njit
+def _irradiance(kind, row, x, n, g, out):
+    for i in range(len(x)):
+        out[i] = table.irradiance(kind, row, vec(x, i), vec(n, i), vec(g, i))
+
+
+@njit
+def _glance(kind, row, texels, x, u, out):
+    for i in range(len(x)):
+        v = table.glance(kind, row, texels, vec(x, i), 0.0, u[i, 0], u[i, 1])
+        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = v[0], v[1], v[2], v[3]
+        out[i, 4], out[i, 5], out[i, 6] = v[4], v[5], v[6]

@@ -22,7 +22,7 @@ from typing import Literal
 from numba import njit
 from numpy.typing import NDArray
 import numpy as np
-from engine.light.base import Light, no_pdf, nothing_emitted
+from engine.light.base import Light, no_formula, no_pdf, nothing_emitted
 from engine.numerics.description import Point
 from engine.numerics.vec import length
 """

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from engine.measure.chart import write_chart
+from engine.measure.chart import draw, write_chart
 from engine.measure.document import finite, provenance
 from engine.measure.points import Point, pareto_front
 from engine.measure.timing import Timing
@@ -43,10 +43,11 @@ def test_the_front_by_its_definition(seed: int) -> None:
 
 
 def document() -> dict[str, Any]:
-    defaults = {"coefficients": 100, "gather_samples": 65536}
+    defaults = {"coefficients": 100, "gather_samples": 65536, "gather": "rays"}
     rows = [("", {}, 40, 0.03), ("coefficients", {"coefficients": 25}, 15, 0.08)]
     rows += [("coefficients", {"coefficients": 400}, 120, 0.02)]
     rows += [("gather_samples", {"gather_samples": 4096}, 30, 0.06)]
+    rows += [("gather", {"gather": "links"}, 40, 0.05)]
     return {
         **provenance(),
         "machine": {"cpu": "a machine", "threads": 2, "memory_read_gb_s": 8.0},
@@ -81,13 +82,14 @@ def test_the_files_of_a_chart(tmp_path: Path) -> None:
     with Image.open(paths[1]) as image:
         pixels = np.asarray(image.convert("RGB"))
     assert pixels.shape[1] >= 1500
-    # Both lines are there, in their colours.
-    for colour in ((0x00, 0x72, 0xB2), (0xD5, 0x5E, 0x00)):
+    # All lines are there, in their colours.
+    for colour in ((0x00, 0x72, 0xB2), (0xD5, 0x5E, 0x00), (0x00, 0x9E, 0x73)):
         assert (pixels == colour).all(axis=2).sum() > 200
     texts = "".join(ElementTree.parse(paths[0]).getroot().itertext())
     for words in (
         "coefficients = 400",
         "gather_samples = 4K",
+        "gather = links",
         "defaults",
         "25",
         "Pareto front",
@@ -96,6 +98,29 @@ def test_the_files_of_a_chart(tmp_path: Path) -> None:
         "a machine",
     ):
         assert words in texts
+
+
+def test_labels_do_not_cover_each_other(tmp_path: Path) -> None:
+    """Ten settings that all but coincide, words among them."""
+    numbers = document()
+    words = numbers["points"][-1]
+    crowd = [
+        {**words, "knob": f"setting_{k}", "settings": {**words["settings"], f"setting_{k}": "much"}}
+        for k in range(9)
+    ]
+    numbers["points"] += crowd
+    for point in numbers["points"][:-9]:
+        point["settings"] |= {f"setting_{k}": "little" for k in range(9)}
+    figure = draw(numbers)
+    figure.draw_without_rendering()
+    boxes = [
+        text.get_window_extent()
+        for text in figure.axes[0].texts
+        if "=" in text.get_text() or text.get_text() == "defaults"
+    ]
+    assert len(boxes) == 13
+    for k, box in enumerate(boxes):
+        assert not any(box.overlaps(other) for other in boxes[:k])
 
 
 def test_the_same_numbers_give_the_same_files(tmp_path: Path) -> None:

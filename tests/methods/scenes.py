@@ -66,3 +66,38 @@ def rectangle(name: str, size: Any, translate: Any, rotate: Any = (0, 0, 0)) -> 
         "mesh": {"shape": "rectangle", "size": size},
         "transform": {"translate": translate, "rotate_degrees": rotate},
     }
+
+
+def hall(lights: list[dict[str, Any]], size: int = 32) -> Scene:
+    """A hall of 24 by 24 metres with pillars; the camera sees one corner, with two blocks."""
+
+    def block(name: str, material: str, size: list[float], at: list[float]) -> dict[str, Any]:
+        transform = {"translate": [at[0], at[1] + size[1] / 2, at[2]]}
+        mesh = {"shape": "box", "size": size}
+        return {"name": name, "material": material, "mesh": mesh, "transform": transform}
+
+    shell = {
+        "name": "hall",
+        "material": "wall",
+        "mesh": {"shape": "box", "size": [24, 6, 24]},
+        "transform": {"translate": [0, 3, 0]},
+    }
+    return scene(
+        camera=camera(size, position=[-9.6, 1.6, -9.2], target=[-11.6, 0.5, -11.5]),
+        lights=lights,
+        materials={
+            "wall": {"type": "diffuse", "diffuse": [0.7, 0.68, 0.65]},
+            "red": {"type": "diffuse", "diffuse": [0.6, 0.15, 0.1]},
+            "blue": {"type": "diffuse", "diffuse": [0.15, 0.25, 0.6]},
+        },
+        objects=[
+            shell,
+            block("red block", "red", [0.5, 0.8, 0.5], [-11.3, 0, -10.9]),
+            block("blue block", "blue", [0.6, 0.4, 0.4], [-10.6, 0, -11.4]),
+            *(
+                block(f"pillar {x} {z}", "wall", [0.8, 6, 0.8], [x, 0, z])
+                for x in (-6, 0, 6)
+                for z in (-6, 0, 6)
+            ),
+        ],
+    )

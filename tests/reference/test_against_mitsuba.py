@@ -222,6 +222,49 @@ def test_same_textures(tmp_path):
     compare("textures", scene, (0, 0, 0), 256, 8, tmp_path)
 
 
+def test_same_normal_maps(tmp_path):
+    """Waves that run another way in x than in y, on a turned wall and a ball seen from the front.
+
+    At a rim they differ: normals that face away from the eye are bent back here, and black there.
+    """
+    y, x = np.mgrid[0:64, 0:64] / 64 * 2 * np.pi
+    slope = np.stack([0.5 * np.cos(x), 0.3 * np.sin(2 * y), np.ones_like(x)], axis=-1)
+    normal = slope / np.linalg.norm(slope, axis=-1, keepdims=True)
+    Image.fromarray(np.round(255 * (normal + 1) / 2).astype(np.uint8)).save(tmp_path / "waves.png")
+    waves = {"normal": {"texture": "waves.png"}}
+    ball = {"shape": "sphere", "radius": 3, "rings": 96}
+    scene = build(
+        describe(
+            {
+                "camera": {"position": [0, 0, 2.6], "target": [0, 0, 0], "fov_y_degrees": 40}
+                | {"width": SIZE, "height": SIZE},
+                "environment": {"map": [0.2, 0.3, 0.4]},
+                "lights": [
+                    {"id": "a", "type": "point", "position": [1, 2, 2], "intensity": [6, 3, 2]},
+                    {"id": "b", "type": "distant", "direction": [1, -0.3, -1]},
+                ],
+                "materials": {"m": {"type": "diffuse", "diffuse": [0.8, 0.7, 0.6], **waves}},
+                "objects": [
+                    {
+                        "name": "wall",
+                        "mesh": {"shape": "rectangle", "size": [0.8, 0.8]},
+                        "material": "m",
+                        "transform": {"translate": [0.3, 0.2, 0.2], "rotate_degrees": [10, 15, 40]},
+                    },
+                    {
+                        "name": "ball",
+                        "mesh": ball,
+                        "material": "m",
+                        "transform": {"translate": [0, 0, -3.5], "rotate_degrees": [0, 0, 30]},
+                    },
+                ],
+            }
+        ),
+        tmp_path,
+    )
+    compare("normal_maps", scene, (0, 0, 0), 512, 24, tmp_path)
+
+
 def compare(name, scene, lamp_albedo, our_samples, their_samples, tmp_path):
     assert all("is solid" in known for known in differences(scene)), "the lamp's albedo is given"
     ours = render(scene, samples=our_samples, seed=3)

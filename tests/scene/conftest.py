@@ -13,7 +13,7 @@ import pytest
 from engine.brdf.base import ROW
 from engine.scene.open import open_scene
 from engine.scene.scene import Scene
-from engine.scene.surface import parameters
+from engine.scene.surface import normals, parameters
 
 
 class Look(NamedTuple):
@@ -35,8 +35,11 @@ def look() -> Callable[[Scene, Any, Any], Look]:
         )
         t = int(hit.triangle[0])
         assert t >= 0, "the ray meets nothing"
+        b1, b2 = float(hit.b1[0]), float(hit.b2[0])
+        back = tuple(-np.asarray(direction, float))
         row = np.zeros(ROW)
-        parameters(scene.geometry, scene.material_table, t, float(hit.b1[0]), float(hit.b2[0]), row)
+        _, n = normals(scene.geometry, scene.material_table, t, b1, b2, back)
+        parameters(scene.geometry, scene.material_table, t, b1, b2, n, row)
         return Look(
             float(hit.distance[0]),
             scene.object_names[scene.geometry.object[t]],

@@ -20,7 +20,7 @@ def cornell() -> Scene:
 
 
 def test_every_built_in_scene_opens_without_complaint() -> None:
-    assert list(scenes()) == ["cornell-box", "room"]
+    assert list(scenes()) == ["cornell-box", "knot", "room"]
     for name, summary in scenes().items():
         scene = open_scene(name)
         assert scene.name == name

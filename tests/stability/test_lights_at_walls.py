@@ -67,7 +67,7 @@ def test_a_light_1_mm_from_a_wall_is_said_to_be_missed(make: Callable[..., Trans
     """
     room = white_room(0.5, [POINT], SIZE)
     product = make(room, gather_samples=4096)
-    spacing = product.cloud.area**0.5
+    spacing = product.cloud.spacing
     assert 0.05 < spacing < 0.1
     places = np.random.default_rng(2).uniform(-0.6, 0.6, (6, 2))
     warned = []

@@ -23,30 +23,33 @@ def alike_neighbours(
     position: NDArray[np.float32],
     normal: NDArray[np.float32],
     obj: NDArray[np.int32],
+    matt: NDArray[np.bool_],
     width: int,
 ) -> NDArray[np.uint8]:
     """(n,) uint8: whether a pixel lies on one smooth surface with the one to its right and below.
 
+    That is of one object, and matt or glossy in both.
+
     The sum of RIGHT and DOWN; arrays as in `fixed_view.frame_buffer.Points`, of a picture so wide.
     """
     out = np.zeros(len(obj), np.uint8)
-    for_ranges(_find_alike, len(obj), position, normal, obj, width, out)
+    for_ranges(_find_alike, len(obj), position, normal, obj, matt, width, out)
     return out
 
 
 @njit(cache=True, nogil=True)
-def _find_alike(start, stop, position, normal, obj, width, out):
+def _find_alike(start, stop, position, normal, obj, matt, width, out):
     for i in range(start, stop):
-        if (i + 1) % width and _alike(i, i + 1, position, normal, obj):
+        if (i + 1) % width and _alike(i, i + 1, position, normal, obj, matt):
             out[i] |= RIGHT
-        if i + width < obj.shape[0] and _alike(i, i + width, position, normal, obj):
+        if i + width < obj.shape[0] and _alike(i, i + width, position, normal, obj, matt):
             out[i] |= DOWN
 
 
 @njit
-def _alike(i, q, position, normal, obj):
+def _alike(i, q, position, normal, obj, matt):
     n, m = vec(normal, i), vec(normal, q)
-    if obj[i] < 0 or obj[i] != obj[q] or dot(n, m) < SAME_NORMAL:
+    if obj[i] < 0 or obj[i] != obj[q] or matt[i] != matt[q] or dot(n, m) < SAME_NORMAL:
         return False
     way = sub(vec(position, q), vec(position, i))
     return max(abs(dot(way, n)), abs(dot(way, m))) <= OFF_PLANE * length(way)
@@ -60,7 +63,7 @@ def smooth_penumbrae(
     The weights are those of a tent, 1 2 1 each way, by which every pixel of a block of 2 x 2 counts
     the same. Averaged is what arrives, not what is reflected, so that textures stay sharp; and on
     one surface alone: a neighbour on another is replaced by the one opposite, which has the same
-    place in its block. row (n, 16) are BRDF parameters, alike (n,) is from `alike_neighbours`.
+    place in its block. row (n, ROW) are BRDF parameters, alike (n,) is from `alike_neighbours`.
     """
     across, out = np.zeros_like(radiance), np.zeros_like(radiance)
     for_ranges(_smooth_across, len(radiance), radiance, row, alike, across)
@@ -85,6 +88,89 @@ def _smooth_down(start, stop, arriving, row, alike, width, out):
         for c in range(3):
             mean = 0.5 * arriving[i, c] + 0.25 * (arriving[above, c] + arriving[below, c])
             out[i, c] = mean * (row[i, c] + row[i, 3 + c])
+
+
+def mean_seen(
+    seen: NDArray[np.float32],
+    pixel: NDArray[np.int32],
+    around: NDArray[np.int32],
+    alike: NDArray[np.uint8],
+    width: int,
+    reach: int,
+) -> NDArray[np.float32]:
+    """(m,) float32: the part of a light that is seen around pixels (m,) of a picture so wide.
+
+    The weights are those of a tent, which falls to 0 `reach` pixels away each way, by which every
+    pixel of a block of reach x reach counts the same. seen (n, 2) is from `soft.look`; pixels that
+    the light is under the horizon of have no weight. Outside of `around` all see the same.
+    """
+    across, out = seen.copy(), np.zeros(len(pixel), np.float32)
+    for_ranges(_seen_across, len(around), around, seen, alike, reach, across)
+    for_ranges(_seen_down, len(pixel), pixel, across, alike, width, reach, out)
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _seen_across(start, stop, pixel, seen, alike, reach, out):
+    for j in range(start, stop):
+        i = pixel[j]
+        out[i, 0], out[i, 1] = _sums(seen, alike, i, 1, RIGHT, reach)
+
+
+@njit(cache=True, nogil=True)
+def _seen_down(start, stop, pixel, across, alike, width, reach, out):
+    for j in range(start, stop):
+        came, sent = _sums(across, alike, pixel[j], width, DOWN, reach)
+        out[j] = came / sent if sent > 0.0 else 0.0
+
+
+@njit
+def _sums(seen, alike, i, step, way, reach):
+    """Sums over a pixel and those up to `reach` steps away both ways, while they are alike."""
+    came, sent = reach * np.float64(seen[i, 0]), reach * np.float64(seen[i, 1])
+    before = behind = i
+    for weight in range(reach - 1, 0, -1):
+        if before >= step and alike[before - step] & way:
+            before -= step
+            came, sent = came + weight * seen[before, 0], sent + weight * seen[before, 1]
+        else:
+            before = -1
+        if behind >= 0 and alike[behind] & way:
+            behind += step
+            came, sent = came + weight * seen[behind, 0], sent + weight * seen[behind, 1]
+        else:
+            behind = -1
+    return came / (reach * reach), sent / (reach * reach)
+
+
+def changes_fast(
+    part: NDArray[np.float32],
+    pixel: NDArray[np.int32],
+    alike: NDArray[np.uint8],
+    width: int,
+    steepest: float,
+) -> NDArray[np.bool_]:
+    """(m,) bool: whether what pixels (m,) see of a light changes by more than `steepest` a pixel.
+
+    So it may also where one of the four neighbours is not alike. part (n,) float32 is what each
+    sees.
+    """
+    out = np.zeros(len(pixel), np.bool_)
+    for_ranges(_find_steep, len(pixel), part, pixel, alike, width, steepest, out)
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _find_steep(start, stop, part, pixel, alike, width, steepest, out):
+    for j in range(start, stop):
+        i = pixel[j]
+        n, column = part.shape[0], i % width
+        across = abs(part[i + min(2, width - 1 - column)] - part[i - min(2, column)])
+        below = i + 2 * width if i + 2 * width < n else i
+        down = abs(part[below] - part[i - 2 * width if i >= 2 * width else i])
+        smooth = alike[i] == RIGHT | DOWN and column > 0 and i >= width
+        smooth = smooth and alike[i - 1] & RIGHT and alike[i - width] & DOWN
+        out[j] = not smooth or max(across, down) > 4.0 * steepest
 
 
 @njit

@@ -100,6 +100,8 @@ def _unshadowed(
         if model[i] < 0:
             continue
         x, n, g = vec(position, j), vec(normal, i), vec(geometric, i)
+        s, t = tangents(n)
+        wo = to_local(vec(view, i), s, t, n)
         group, first, wide = phase[i] % groups, count, np.float64(size[i])
         for k in range(per_point):
             u1, u2 = samples[group, k, 0], samples[group, k, 1]
@@ -110,9 +112,7 @@ def _unshadowed(
             # normal.
             if cosine <= 0.0 or dot(g, w) <= 0.0 or r + gr + b <= 0.0:
                 continue
-            s, t = tangents(n)
-            wi, wo = to_local(w, s, t, n), to_local(vec(view, i), s, t, n)
-            f = evaluate(model[i], rows[i], wi, wo)
+            f = evaluate(model[i], rows[i], to_local(w, s, t, n), wo)
             if f[0] + f[1] + f[2] <= 0.0:
                 continue
             value[count, 0] = f[0] * r * cosine * share

@@ -7,12 +7,13 @@ the GPU.
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engine.backend.cpu.penumbra import DOWN, RIGHT
+from engine.backend.cpu.shading import HIDDEN, VISIBLE
 from engine.backend.gl.bvh import Tree
 from engine.backend.gl.context import Device
 from engine.backend.gl.points import Surface
@@ -20,6 +21,40 @@ from engine.backend.gl.tables import made
 from engine.light.table import LightTable
 
 HAS_SUBSAMPLES = 4  # of a pixel's flags, beside RIGHT and DOWN of `penumbra`
+
+
+class SoftPlaces(NamedTuple):
+    """Places of a light with extent, each (groups, k, 2) float64; see `fixed_view.direct`.
+
+    every, in one group, where it has no formula; wide, penumbra and lit for its part that is seen
+    in a wide penumbra, in a narrow one, and by glossy pixels in full light; probes, one in a group
+    """
+
+    every: NDArray[np.float64]
+    wide: NDArray[np.float64]
+    penumbra: NDArray[np.float64]
+    lit: NDArray[np.float64]
+    probes: NDArray[np.float64]
+
+
+class SoftPixels(NamedTuple):
+    """What a picture with soft shadows is made by.
+
+    flags (n,) int32  which neighbours are alike
+    width             of the picture
+    spare             room for (n, 4) float32
+    reach             pixels each way in which somebody looks at every probe
+    wide, narrow      pixels to where the weights of neighbours reach 0 in wide and narrow penumbrae
+    steep             by how much of the light a wide one changes from pixel to pixel at most
+    """
+
+    flags: Any
+    width: int
+    spare: Any
+    reach: int
+    wide: int
+    narrow: int
+    steep: float
 
 
 class Shading:
@@ -54,24 +89,56 @@ class Shading:
         self,
         surface: Surface,
         table: LightTable,
-        lit: NDArray[np.float64],
-        penumbra: NDArray[np.float64],
-        visible: Any,
-        width: int,
-        reach: int,
+        places: SoftPlaces,
+        pixels: SoftPixels,
         radiance: Any,
     ) -> None:
-        """Fill radiance of a light with extent, by what is visible within `reach` pixels each way.
+        """Fill radiance of a light with extent; see `_soft_light` of `fixed_view.direct`."""
+        n, width = surface.count, pixels.width
+        visible, near, around, steep, narrow, by = (self._device.room(4 * n) for _ in range(6))
+        seen, part, spare = (self._device.room(8 * n) for _ in range(3))
+        named = {
+            "b_flags": pixels.flags, "b_visible": visible, "b_near": near, "b_around": around,
+            "b_steep": steep, "b_narrow": narrow, "b_by": by, "b_seen": seen, "b_part": part,
+            "b_radiance": radiance,
+        }  # fmt: skip
+        # All places in one buffer; of each kind the first, groups, and places in each.
+        kinds = places.every, places.wide, places.penumbra, places.lit
+        samples = np.concatenate([kind.reshape(-1, 2) for kind in kinds])[None]
+        ends = np.cumsum([0, *(kind.shape[0] * kind.shape[1] for kind in kinds)]).tolist()
+        every, wide, penumbra, lit = (
+            (end, *kind.shape[:2]) for end, kind in zip(ends, kinds, strict=False)
+        )
 
-        lit, penumbra (groups, k, 2) are samples where all of it is seen, and where some of it is.
-        """
-        samples = np.concatenate([lit.reshape(1, -1, 2), penumbra.reshape(1, -1, 2)], axis=1)
-        buffers = {"b_visible": visible, "b_radiance": radiance}
-        self._run(
-            "light_soft", surface.count, surface, table, samples, buffers, u_count=surface.count,
-            u_width=width, u_reach=reach, u_groups=len(lit), u_per_point=lit.shape[1],
-            u_per_penumbra=penumbra.shape[1],
-        )  # fmt: skip
+        def light(name: str, samples: NDArray[np.float64] = samples, **uniforms: Any) -> None:
+            self._run(name, n, surface, table, samples, named, u_count=n, **uniforms)
+
+        def run(name: str, buffers: dict[str, Any], **uniforms: Any) -> None:
+            program = self._device.program(f"passes/{name}.glsl")
+            program.run(n, {**named, **buffers}, u_count=n, **uniforms)
+
+        def dilate(marks: Any, kept: Any, found: Any, mark: int, least: int, reach: int) -> None:
+            buffers = {"b_marks": marks, "b_kept": kept, "b_found": found}
+            run("soft_around", buffers, u_width=width, u_reach=reach, u_mark=mark, u_kept=least)
+
+        def mean(target: Any, reach: int) -> None:
+            across, down = ((seen, spare), (spare, target))
+            for (source, end), step, way in ((across, 1, RIGHT), (down, width, DOWN)):
+                buffers = {"b_source": source, "b_target": end}
+                run("soft_mean", buffers, u_step=step, u_way=way, u_reach=reach)
+
+        light("soft_probe", places.probes)
+        light("light_soft", u_width=width, u_reach=pixels.reach, u_lit=lit, u_penumbra=penumbra,
+              u_wide=wide)  # fmt: skip
+        smooth_penumbrae(self._device, surface, pixels.flags, width, radiance, pixels.spare)
+        dilate(near, near, around, HIDDEN | VISIBLE, 0, pixels.wide)
+        mean(part, pixels.wide)
+        run("soft_steep", {}, u_width=width, u_steep=pixels.steep)
+        dilate(steep, around, narrow, 1, 1, pixels.wide)
+        dilate(narrow, around, by, 1, 1, pixels.narrow)
+        light("soft_again", u_penumbra=penumbra)
+        mean(seen, pixels.narrow)
+        light("soft_light", u_every=every[2])
 
     def fine(
         self,

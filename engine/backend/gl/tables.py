@@ -1,8 +1,8 @@
 """The shaders of the tables: a BRDF or a light has a shader with the name of its Python file.
 
 `shaders/brdf/phong.glsl` holds `evaluate_phong`, `shaders/light/spot.glsl` holds
-`illuminate_spot`; a light with extent has an `emitted_` as well. Shaders that need them include
-`brdf/table.glsl` and `light/chosen.glsl`, which are written here.
+`illuminate_spot`; a light with extent has `emitted_`, `irradiance_` and `glance_` as well.
+Shaders that need them include `brdf/table.glsl` and `light/chosen.glsl`, which are written here.
 """
 
 from __future__ import annotations
@@ -26,15 +26,12 @@ def brdf_table() -> str:
 
 
 def chosen_light(kind: int) -> str:
-    """`illuminate(p, x, size, u)` and `emitted(p, o, d)` of the one light that a program draws."""
-    name = file_name(list(LIGHTS.values())[kind])
-    return "\n".join(
-        [
-            f'#include "light/{name}.glsl"',
-            f"#define illuminate illuminate_{name}",
-            f"#define emitted emitted_{name}",
-        ]
-    )
+    """`illuminate` of the one light that a program draws, and the others if it has extent."""
+    light, module = list(LIGHTS.items())[kind]
+    name = file_name(module)
+    functions = ("illuminate", "emitted", "irradiance", "glance")
+    lines = [f"#define {f} {f}_{name}" for f in (functions if light.has_extent else functions[:1])]
+    return "\n".join([f'#include "light/{name}.glsl"', *lines])
 
 
 def made(kind: int) -> dict[str, str]:

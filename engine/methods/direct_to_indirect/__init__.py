@@ -19,11 +19,12 @@ Hašan, Pellacini, Bala 2006, *Direct-to-Indirect Transfer for Cinematic Relight
 | K, D | `position_weight`, `Scene.diagonal` | weights of eq. 9 |
 
 Where we leave the paper: M is applied bounce by bounce (scalar rows, any number of bounces, no
-photon noise), and what culling takes from a bounce is given back (`bounces`); rows come from rays
-that land on gather samples (`fixed_view.gather_rays`), with the paper's links as a setting, whose
-form factors are those of disks (no clamp in corners); 64 neighbouring rows share their list of
-wavelets, and what they have in common is stored once (`fixed_view.packing`). Wavelet lights are not
-culled at run time: see `backend.cpu.product`. Frames are drawn by `product` on the CPU, by
+photon noise), what culling takes from a bounce is given back (`bounces`), and light that stays
+when lights move, of emission and environment, is bounced by itself (`standing`); rows come from
+rays that land on gather samples (`fixed_view.gather_rays`), with the paper's links as a setting,
+whose form factors are those of disks (no clamp in corners); 64 neighbouring rows share their list
+of wavelets, and what they have in common is stored once (`fixed_view.packing`). Wavelet lights are
+not culled at run time: see `backend.cpu.product`. Frames are drawn by `product` on the CPU, by
 `gl_transfer` on the GPU.
 """
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numba import njit
 
@@ -31,18 +29,17 @@ def uncovered(view: View, cloud: GatherCloud, grid: Grid) -> Diagnosis | None:
     if not len(seen):
         return None
     position, normal = points.position[seen], points.geometric[seen]
-    way, far = np.zeros_like(position), np.zeros(len(seen), np.bool_)
-    lift = np.float32(LIFT * grid.bend)
+    start, way = np.zeros((2, len(seen), 3), np.float32)
+    far = np.zeros(len(seen), np.bool_)
     for_ranges(
         _to_nearest, len(seen), grid, position, normal, cloud.points.position,
-        cloud.points.geometric, points.object[seen], cloud.points.object, way, far,
+        cloud.points.geometric, points.object[seen], cloud.points.object, start, way, far,
     )  # fmt: skip
-    start = np.ascontiguousarray(position + lift * normal, np.float32)
     alone = far | view.scene.rays.occluded(start, way, 1.0)
     share = float(alone.sum()) / len(points)
     if share <= NEGLIGIBLE:
         return None
-    spacing = 100 * math.sqrt(cloud.area)
+    spacing = 100 * cloud.spacing
     return Diagnosis(
         "surfaces_between_samples",
         f"{100 * share:.0f} % of the picture shows surfaces that are thinner or smaller than the "
@@ -54,21 +51,22 @@ def uncovered(view: View, cloud: GatherCloud, grid: Grid) -> Diagnosis | None:
 
 @njit(cache=True, nogil=True)
 def _to_nearest(
-    start, stop, grid, position, normal, leaf_position, leaf_normal, obj, leaf_object, way, far
-):
-    """Fill way (n, 3) from above each place to above its nearest sample.
+    first, last, grid, position, normal, leaf_position, leaf_normal, obj, leaf_object, start, way,
+    far,
+):  # fmt: skip
+    """Fill start and way (n, 3) from above each place to above its nearest sample.
 
     far (n,) says whether that one is far away or on another object.
     """
     grid = borrow(grid)
-    lift = LIFT * grid.bend
-    for i in range(start, stop):
+    for i in range(first, last):
         x, g = vec(position, i), vec(normal, i)
         j = nearest(grid, x, g)
-        p = vec(leaf_position, j)
+        p, spacing = vec(leaf_position, j), np.float64(grid.spacing[j])
         apart = sub(p, x)
         square = apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2]
-        far[i] = square > FAR * FAR * grid.bend * grid.bend or obj[i] != leaf_object[j]
-        w = sub(add(p, scale(vec(leaf_normal, j), lift)), add(x, scale(g, lift)))
+        far[i] = square > FAR * FAR * spacing * spacing or obj[i] != leaf_object[j]
+        above = add(x, scale(g, LIFT * spacing))
+        w = sub(add(p, scale(vec(leaf_normal, j), LIFT * spacing)), above)
         for c in range(3):
-            way[i, c] = w[c]
+            start[i, c], way[i, c] = above[c], w[c]

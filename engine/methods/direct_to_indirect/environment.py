@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from engine.backend.cpu.product import multiply
 from engine.diagnosis import Diagnosis
 from engine.light.environment import Environment, is_same
-from engine.light.environment_samples import averaged, environment_samples
+from engine.light.environment_samples import DEPTH, averaged, environment_samples
 from engine.light.lamps import Lamp, split, suns
 from engine.light.sun import SunLight
 from engine.methods.fixed_view.cloud import GatherCloud
@@ -84,9 +84,17 @@ class EnvironmentLight:
     def gather(self) -> Picture:
         """(n_g, 3): what gather samples reflect of it."""
         if self._gather is None:
-            arriving = multiply(*self._rows.bounce, self._samples, self._runs, len(self._reflected))
-            self._gather = self._reflected * np.maximum(arriving, 0)
+            self._gather = self._reflect(self._samples)
         return self._gather
+
+    @property
+    def white(self) -> Picture:
+        """(n_g, 3): what they would reflect of radiance 1 from everywhere."""
+        return self._reflect(haar.forward(np.ones((4**DEPTH, 3), np.float32)))
+
+    def _reflect(self, samples: Picture) -> Picture:
+        arriving = multiply(*self._rows.bounce, samples, self._runs, len(self._reflected))
+        return self._reflected * np.maximum(arriving, 0)
 
     def view(self, scale: int, n: int) -> tuple[Picture, Picture]:
         """(n, 3) each: what arrives at the matt and at the glossy part of n view samples."""

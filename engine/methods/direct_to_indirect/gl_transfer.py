@@ -50,13 +50,13 @@ class Standing(NamedTuple):
     """What no light changes: the same arrays until the environment is another.
 
     backdrop            (h w, 3)  emission and background of the whole picture
-    gather              (n_g, 3)  what gather samples reflect of the environment
+    bounced             (n_g, 3)  in wavelets, all bounces of emission and environment
     arriving, mirrored  (n, 3)    what arrives from it at matt and glossy parts of view samples
     suns                          of its map, which the camera sees in the backdrop
     """
 
     backdrop: NDArray[np.float32]
-    gather: NDArray[np.float32] | None = None
+    bounced: NDArray[np.float32]
     arriving: NDArray[np.float32] | None = None
     mirrored: NDArray[np.float32] | None = None
     suns: tuple[Light, ...] = ()
@@ -83,7 +83,6 @@ class GlTransfer:
         device, parts = self._device, self._parts
         self._view = GlView(device, parts.view)
         self._points = upload_points(device, parts.cloud.points)
-        self._emission = device.upload(parts.cloud.emission)
         self._environment = Uploads(device)
         self._reflected = device.upload(parts.bounces.reflected)
         self._bounce, self._final = Rows(device, *parts.bounce), Rows(device, *parts.final)
@@ -99,7 +98,9 @@ class GlTransfer:
         # Room to work in.
         samples, pixels = len(parts.cloud), len(parts.view.points(1))
         self._haar = Haar(device, samples)
-        self._g, self._light, self._total = (device.floats(3 * samples) for _ in range(3))
+        self._first, self._g, self._light, self._total = (
+            device.floats(3 * samples) for _ in range(4)
+        )
         self._arriving, self._mirrored = (device.floats(3 * pixels) for _ in range(2))
         # The picture, and behind it three numbers for every bounce.
         self._image = device.floats(3 * (pixels + parts.bounces.count + 1))
@@ -107,7 +108,7 @@ class GlTransfer:
     def draw(
         self, lights: tuple[Light, ...], standing: Standing, scale: int, clock: Clock
     ) -> tuple[NDArray[np.float32], list[NDArray[np.float64]]]:
-        """(picture (n, 3), power (3,) of the light after each bounce): see `Bounces.missing`.
+        """(picture (n, 3), power (3,) of the light after each bounce): see `Bounces.unsure`.
 
         Raises BackendError where GL fails.
         """
@@ -121,11 +122,11 @@ class GlTransfer:
         self._device.context.gc()
         n = len(self._parts.view.points(scale))
         with clock("gather_direct"):
-            self._copy(self._emission, self._g)
-            self._add("gather", standing.gather, self._g)
-            self._view.on_points(self._points, lights + standing.suns, self._g)
+            self._first.clear()
+            self._view.on_points(self._points, lights + standing.suns, self._first)
         with clock("bounces"):
             self._bounce_all(n)
+            self._add("bounced", standing.bounced, self._total)
         with clock("final_gather"):
             places = self._places[scale]
             self._final.multiply(self._total, places, self._arriving)
@@ -145,20 +146,35 @@ class GlTransfer:
         self._device.check()
         return numbers[:n], list(numbers[n:].astype(np.float64))
 
+    def first(self) -> NDArray[np.float32]:
+        """(n_g, 3): what the gather samples of the last picture reflect of its lights first.
+
+        Raises BackendError where GL fails, as `first_of`.
+        """
+        out = np.zeros((len(self._parts.cloud), 3), np.float32)
+        with gl_errors():
+            self._first.read_into(out, out.nbytes)
+        return out
+
+    def first_of(self, light: Light) -> NDArray[np.float32]:
+        """(n_g, 3): what the gather samples reflect first of one light."""
+        with gl_errors():
+            return self._view.read_points(self._points, light)
+
     def _bounce_all(self, n: int) -> None:
-        """`_total` of `_g`, and the power of every bounce behind the n pixels of the picture."""
+        """`_total` of `_first`, and the power of every bounce behind the picture's n pixels."""
         bounces, samples = self._parts.bounces, len(self._parts.cloud)
-        self._haar.forward(self._g, self._light)
+        self._haar.forward(self._first, self._light)
         self._copy(self._light, self._total)
         self._copy(self._light, self._image, 12, 12 * n)
-        for k, gain in enumerate(bounces.gains, 1):
+        for k, gain in enumerate(bounces.of_lights.gains, 1):
             self._bounce.multiply(self._light, self._runs, self._g)
             reflect(self._device, self._g, self._reflected, samples, gain)
             self._haar.forward(self._g, self._light)
             add(self._device, self._total, self._light, samples)
             self._copy(self._light, self._image, 12, 12 * (n + k))
         if bounces.count:
-            add(self._device, self._total, self._light, samples, tuple(bounces.tail))
+            add(self._device, self._total, self._light, samples, tuple(bounces.of_lights.tail))
 
     def _compose(self, scale: int, n: int) -> None:
         mirrored = self._arriving if self._gloss is None else self._mirrored

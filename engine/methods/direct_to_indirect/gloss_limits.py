@@ -8,6 +8,7 @@ surface throws onto another, a caustic, is spread evenly instead.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numba import njit
@@ -15,9 +16,10 @@ from numpy.typing import NDArray
 
 from engine.brdf import hemispherical_albedo
 from engine.brdf import table as brdfs
-from engine.brdf.base import SPECULAR
+from engine.brdf.base import SPECULAR, without_grain
 from engine.diagnosis import Diagnosis
-from engine.methods.fixed_view.cloud import ALBEDO_POINTS, GatherCloud
+from engine.methods.fixed_view.cloud import GatherCloud
+from engine.methods.fixed_view.surface_points import ALBEDO_POINTS
 from engine.methods.fixed_view.view import View, gloss_of
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import length, scale, sub
@@ -32,9 +34,11 @@ evaluate, sample, density = brdfs.evaluate, brdfs.sample, brdfs.pdf
 
 
 def lobe_width(model: NDArray[np.int32], row: NDArray[np.float32]) -> NDArray[np.float64]:
-    """(n,) radians: root mean square angle of glossy lobes (n,), (n, 16) about their mean."""
+    """(n,) radians: root mean square angle of glossy lobes (n,), (n, ROW) about their mean."""
     kinds, kind = np.unique(
-        np.column_stack([model, gloss_of(row)[:, SPECULAR + 3 :]]), axis=0, return_inverse=True
+        np.column_stack([model, without_grain(gloss_of(row))[:, SPECULAR + 3 :]]),
+        axis=0,
+        return_inverse=True,
     )
     lobes = np.zeros((len(kinds), row.shape[1]), np.float32)
     lobes[:, SPECULAR : SPECULAR + 3] = 1  # its colour does not make a lobe wider
@@ -64,7 +68,7 @@ def blurred_mirrors(view: View, cloud: GatherCloud, glossy: NDArray[np.bool_]) -
     # A lobe is about as wide as two of its standard deviations, where it meets a surface.
     width = lobe_width(points.model[pixel], points.row[pixel])
     footprint = 2 * np.tan(np.minimum(width, 1.2))[met] * hits.distance[met]
-    spacing = math.sqrt(cloud.area)
+    spacing = cloud.spacing
     wider = np.hypot(1, spacing / np.maximum(footprint, 1e-9)) - 1
     share = float((wider > 1).sum()) / len(glossy)
     if share <= NEGLIGIBLE:
@@ -72,11 +76,24 @@ def blurred_mirrors(view: View, cloud: GatherCloud, glossy: NDArray[np.bool_]) -
     middle = float(np.median(wider))
     return Diagnosis(
         "mirror_blurred",
-        f"{100 * share:.0f} % of the picture mirrors the room more sharply than the gather "
-        f"samples lie, {100 * spacing:.2g} cm apart: a point of it looks about {1 + middle:.1f} "
-        "times as wide in them as it should. Four times the gather_samples halve that; true "
+        f"{100 * share:.0f} % of the picture mirrors the room so sharply that a point looks more "
+        "than twice as wide in it as it should: reflections are made of gather samples, "
+        f"{100 * spacing:.2g} cm apart. Four times the gather_samples halve the width; true "
         "mirrors need the reference.",
         middle,
+    )
+
+
+def seen_as_matt(glossy: NDArray[np.bool_]) -> Diagnosis | None:
+    """What to say of glossy surfaces in glossy ones; glossy as for `blurred_mirrors`."""
+    share = float(glossy.mean())
+    if share <= NEGLIGIBLE:
+        return None
+    return Diagnosis(
+        "gloss_seen_as_matt",
+        f"Glossy surfaces fill {100 * share:.0f} % of the picture: they reflect the room, but what "
+        "they reflect looks matt in them.",
+        share,
     )
 
 
@@ -90,13 +107,16 @@ class Caustics:
         gloss[lobe_width(table.model, table.row) > SHARP] = 0
         thrown = gloss[cloud.points.material] / np.maximum(cloud.albedo, 1e-6)
         self._share = np.minimum(thrown, 1).astype(np.float32) if gloss.any() else None
+        self._area = cloud.area
 
-    def __call__(self, radiance: NDArray[np.float32]) -> Diagnosis | None:
-        """What to say of the light (n_g, 3) that the cloud reflects first, or None."""
+    def __call__(self, first: Callable[[], NDArray[np.float32]]) -> Diagnosis | None:
+        """What to say of the light first() (n_g, 3) that the cloud reflects first, or None."""
         if self._share is None:
             return None
-        total = float(radiance.sum(dtype=np.float64))
-        share = float((self._share * radiance).sum(dtype=np.float64)) / max(total, 1e-30)
+        radiance = first()
+        total = float(self._area @ radiance.sum(axis=1, dtype=np.float64))
+        thrown = float(self._area @ (self._share * radiance).sum(axis=1, dtype=np.float64))
+        share = thrown / max(total, 1e-30)
         if share <= NEGLIGIBLE:
             return None
         return Diagnosis(

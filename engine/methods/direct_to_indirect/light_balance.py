@@ -61,7 +61,7 @@ class LightBalance:
         if worst is None or abs(worst[0]) <= OFF:
             return None
         off, light = worst
-        spacing = math.sqrt(self._cloud.area)
+        spacing = self._cloud.spacing
         return Diagnosis(
             "light_between_samples",
             f"The gather samples, {100 * spacing:.2g} cm apart, catch {100 * abs(off):.0f} % "
@@ -92,7 +92,7 @@ class LightBalance:
         direction = np.zeros((RAYS, 3), np.float32)
         solid_angle = _directions(row, getattr(light, "cone_degrees", 180.0), direction)
         hits = scene.rays.intersect(np.tile(place, (RAYS, 1)), direction)
-        found = float(radiance.sum(dtype=np.float64)) * math.pi * cloud.area
+        found = math.pi * float(cloud.area @ radiance.sum(axis=1, dtype=np.float64))
         due, unsure, carrying = _reflected(
             table.kind[0], row, table.texels, direction, hits.triangle, hits.distance,
             scene.geometry.positions, scene.geometry.triangles, self._grid,
@@ -155,7 +155,7 @@ def _reflected(
             g = scale(g, -1.0)
         j = nearest(grid, x, g)
         sent = away * away * (red * albedo[j, 0] + green * albedo[j, 1] + blue * albedo[j, 2])
-        near = length(sub(vec(leaf_position, j), x)) <= FAR * grid.bend
+        near = length(sub(vec(leaf_position, j), x)) <= FAR * grid.spacing[j]
         if near and dot(vec(leaf_normal, j), g) >= TURNED:
             due += sent
         else:

@@ -54,12 +54,12 @@ def precompute(
         progress("gather cloud", 0, 1)
         cloud = build_cloud(
             scene, view.buffer.centre, settings.gather_samples, settings.position_weight,
-            settings.seed,
+            settings.cloud, settings.seed,
         )  # fmt: skip
-        entry.write("cloud", cloud_arrays(cloud), {"area": cloud.area})
+        entry.write("cloud", cloud_arrays(cloud), {})
         progress("gather cloud", 1, 1)
     else:
-        cloud = cloud_from(stored["cloud"].arrays, stored["cloud"].meta["area"])
+        cloud = cloud_from(stored["cloud"].arrays)
 
     # Each matrix is finished before it is stored, its chunks are let go after that.
     rows, beyond = {}, {}

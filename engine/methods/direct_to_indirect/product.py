@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +18,12 @@ from engine.errors import BackendError
 from engine.light.base import Light
 from engine.light.environment import Environment
 from engine.methods.base import Frame, require_supported
+from engine.methods.clock import Clock
 from engine.methods.direct_to_indirect.bounces import Bounces
 from engine.methods.direct_to_indirect.coverage import uncovered
 from engine.methods.direct_to_indirect.environment import EnvironmentLight, EnvironmentRows
 from engine.methods.direct_to_indirect.gl_transfer import GlTransfer, Parts, Standing
-from engine.methods.direct_to_indirect.gloss_limits import Caustics, blurred_mirrors
+from engine.methods.direct_to_indirect.gloss_limits import Caustics, blurred_mirrors, seen_as_matt
 from engine.methods.direct_to_indirect.light_balance import LightBalance
 from engine.methods.direct_to_indirect.reflected import (
     add_at_edges,
@@ -31,6 +32,7 @@ from engine.methods.direct_to_indirect.reflected import (
     glossy_pixels,
 )
 from engine.methods.direct_to_indirect.settings import Settings
+from engine.methods.direct_to_indirect.standing import StandingLight, both
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.direct import light_on_points
 from engine.methods.fixed_view.nearest import build_grid
@@ -41,10 +43,23 @@ from engine.numerics import haar
 from engine.scene.edits import Edits, edited_environment, edited_lights
 
 NAME = "direct_to_indirect"
-NEGLIGIBLE = 0.02  # of the indirect light: what the bounces may miss before the user is told
 
-Drawn = tuple[NDArray[np.float32], float, dict[str, float]]
-"""A picture (n, 3), what the bounces may miss of all light, and seconds by part."""
+
+class Drawn(NamedTuple):
+    """A picture, and what there is to say about it.
+
+    image         (n, 3)
+    missing       what the bounces may miss of all light
+    first         () -> (n_g, 3), what the cloud reflects of all lights first
+    first_of      light -> (n_g, 3), the same of one light
+    timings       seconds by part
+    """
+
+    image: NDArray[np.float32]
+    missing: float
+    first: Callable[[], NDArray[np.float32]]
+    first_of: Callable[[Light], NDArray[np.float32]]
+    timings: dict[str, float]
 
 
 class Transfer:
@@ -72,6 +87,7 @@ class Transfer:
         self._reflects = len(gloss.ids) + len(environment.gloss.ids) > 0
         self._environment = EnvironmentLight(cloud, environment, self._tiles)
         self._bounces = Bounces(view.scene, cloud, bounce, settings.bounces, settings.seed)
+        self._bounced = StandingLight(self._bounces, cloud, self._environment)
         points = cloud.points
         nearby = build_grid(points.position, points.geometric, cloud.area)
         self._balance = LightBalance(view.scene, cloud, nearby)
@@ -81,6 +97,7 @@ class Transfer:
         self._of_view = (
             blurred_mirrors(view, cloud, self._glossy),
             uncovered(view, cloud, nearby),
+            seen_as_matt(self._glossy),
         )
         whole = as_gathered(view.reflectance, self._glossy)
         self._sub = as_gathered(view.sub_reflectance, self._glossy[view.buffer.donor])
@@ -114,16 +131,31 @@ class Transfer:
         require_supported(NAME, edits)
         lights, environment = self._edited(edits)
         device, notices = chosen_device(backend)
-        drawn = self._on_gl(device, lights, environment, scale) if device is not None else None
+        if device is not None and self._gl_failed is None:
+            try:
+                drawn = self._on_gl(device, lights, environment, scale)
+                return self._frame(drawn, lights, environment, scale, notices)
+            except BackendError as error:
+                self._gl, self._gl_failed = None, instead_of_gl(error)
         if device is not None and self._gl_failed is not None:
             notices = (self._gl_failed,)
-        image, missing, timings = drawn or self._on_cpu(lights, environment, scale)
-        height, width = self.view.shape(scale)
-        start = time.perf_counter()
-        warnings = (*notices, *self._warnings(lights, environment, missing))
+        drawn = self._on_cpu(lights, environment, scale)
+        return self._frame(drawn, lights, environment, scale, notices)
+
+    def _frame(
+        self,
+        drawn: Drawn,
+        lights: tuple[Light, ...],
+        environment: Environment | None,
+        scale: int,
+        notices: tuple[Diagnosis, ...],
+    ) -> Frame:
+        start, timings = time.perf_counter(), drawn.timings
+        warnings = (*notices, *self._warnings(lights, environment, drawn))
         timings["diagnosis"] = time.perf_counter() - start
         timings["total"] += timings["diagnosis"]
-        return Frame(image.reshape(height, width, 3), timings, warnings)
+        height, width = self.view.shape(scale)
+        return Frame(drawn.image.reshape(height, width, 3), timings, warnings)
 
     def _on_gl(
         self,
@@ -131,56 +163,56 @@ class Transfer:
         lights: tuple[Light, ...],
         environment: Environment | None,
         scale: int,
-    ) -> Drawn | None:
-        """The picture by the GPU; None where it has failed, now or before."""
-        if self._gl_failed is not None:
-            return None
-        clock = _Clock(device.context.finish)
-        try:
-            if self._gl is None:
-                self._gl = GlTransfer(device, self._parts())
-            with clock("environment"):
-                standing = self._standing(environment, scale)
-            image, powers = self._gl.draw(lights, standing, scale, clock)
-        except BackendError as error:
-            self._gl, self._gl_failed = None, instead_of_gl(error)
-            return None
-        return image, self._bounces.missing(powers), clock.timings()
+    ) -> Drawn:
+        """The picture by the GPU. Raises BackendError where it fails."""
+        clock = Clock(device.context.finish)
+        gl = self._gl = self._gl or GlTransfer(device, self._parts())
+        with clock("environment"):
+            standing = self._standing(environment, scale)
+        image, powers = gl.draw(lights, standing, scale, clock)
+        unsure, power = self._bounces.unsure(powers, self._bounces.of_lights)
+        bounced = self._bounced(environment)
+        missing = (unsure + bounced.unsure) / max(power + bounced.power, 1e-30)
+        return Drawn(image, missing, gl.first, gl.first_of, clock.timings())
 
     def _standing(self, environment: Environment | None, scale: int) -> Standing:
         backdrop = self.view.backdrop.picture(environment)
         if environment is None:
-            return Standing(backdrop)
+            return Standing(backdrop, self._bounced(None).total)
         light, n = self._environment, len(self.view.points(scale))
         light.use(environment)
-        return Standing(backdrop, light.gather, *light.view(scale, n), light.suns)
+        bounced = self._bounced(environment).total
+        return Standing(backdrop, bounced, *light.view(scale, n), light.suns)
 
     def _on_cpu(
         self, lights: tuple[Light, ...], environment: Environment | None, scale: int
     ) -> Drawn:
-        clock = _Clock()
+        clock = Clock()
         view = self.view
         if environment is not None:
             with clock("environment"):
                 self._environment.use(environment)
+                self._bounced(environment)
         suns = self._environment.suns if environment is not None else ()
 
         # Direct light on gather samples: g.
         with clock("gather_direct"):
             g = self._on_cloud(lights + suns)
-            if environment is not None:
-                g += self._environment.gather
 
         # Bounces within the cloud: (I + P + ... + P^b) g, from here on in wavelet space.
         with clock("bounces"):
-            total, missing = self._bounces(haar.forward(g))
+            bounced = self._bounced(environment)
+            if g.any():
+                bounced = both(bounced, self._bounces(haar.forward(g), self._bounces.of_lights))
 
         # Final gather, and direct light on view samples.
         with clock("final_gather"):
             tiles, n = self._tiles[scale], len(view.points(scale))
-            arriving = multiply(*self.final, total, tiles, n)
+            arriving = multiply(*self.final, bounced.total, tiles, n)
             # Without glossy pixels nothing takes this up: no need to make zeros of it.
-            mirrored = multiply(*self.gloss, total, tiles, n) if self._reflects else arriving
+            mirrored = (
+                multiply(*self.gloss, bounced.total, tiles, n) if self._reflects else arriving
+            )
         if environment is not None:
             with clock("environment_view"):
                 matt, gloss = self._environment.view(scale, n)
@@ -191,7 +223,8 @@ class Transfer:
             image = view.direct(lights, scale, environment, suns)
         with clock("compose"):
             self._compose(arriving, mirrored, image, scale)
-        return image, missing, clock.timings()
+        missing = bounced.unsure / max(bounced.power, 1e-30)
+        return Drawn(image, missing, lambda: g, self._first_of, clock.timings())
 
     def _parts(self) -> Parts:
         return Parts(
@@ -200,13 +233,11 @@ class Transfer:
         )  # fmt: skip
 
     def _on_cloud(self, lights: tuple[Light, ...]) -> NDArray[np.float32]:
-        """Radiance (n_g, 3) that lights make the gather samples reflect, and what they emit."""
-        lit = self.view.pictures.total("gather", lights, self._light_on_cloud, len(self.cloud))
-        lit += self.cloud.emission
-        return lit
+        """Radiance (n_g, 3) that lights make the gather samples reflect."""
+        return self.view.pictures.total("gather", lights, self._light_on_cloud, len(self.cloud))
 
-    def _caught(self, light: Light) -> NDArray[np.float32]:
-        return self.view.pictures.total("gather", (light,), self._light_on_cloud, len(self.cloud))
+    def _first_of(self, light: Light) -> NDArray[np.float32]:
+        return self._on_cloud((light,))
 
     def _light_on_cloud(self, light: Light) -> NDArray[np.float32]:
         return light_on_points(self.view.scene.rays, self.cloud.points, light)
@@ -240,53 +271,17 @@ class Transfer:
             add_at_edges(self.view.buffer, arriving, mirrored, self._sub, image)
 
     def _warnings(
-        self, lights: tuple[Light, ...], environment: Environment | None, missing: float
+        self, lights: tuple[Light, ...], environment: Environment | None, drawn: Drawn
     ) -> tuple[Diagnosis, ...]:
-        suns = self._environment.suns if environment is not None else ()
-        first = self._on_cloud(lights + suns)
-        if environment is not None:
-            first += self._environment.gather
-        balance = self._balance(lights, self._caught)
-        said = (*self._of_view, self._caustics(first), balance)
+        balance, missing = self._balance(lights, drawn.first_of), drawn.missing
+
+        def first() -> NDArray[np.float32]:
+            standing = self._environment.gather if environment is not None else np.float32(0)
+            return drawn.first() + self.cloud.emission + standing
+
+        truncated = self._bounces.truncated(missing)
+        said = (*self._of_view, self._caustics(first), balance, truncated)
         found = [warning for warning in said if warning is not None]
         if environment is not None:
             found += self._environment.warnings(self._settings.view_rays)
-        if missing > NEGLIGIBLE:
-            found.append(
-                Diagnosis(
-                    "bounces_truncated",
-                    f"The light after {self._settings.bounces} bounces is a guess, and may be "
-                    f"{100 * missing:.0f} % of all light off; set bounces higher.",
-                    missing,
-                )
-            )
-        glossy = float(self._glossy.mean())
-        if glossy > NEGLIGIBLE:
-            found.append(
-                Diagnosis(
-                    "gloss_seen_as_matt",
-                    f"Glossy surfaces fill {100 * glossy:.0f} % of the picture: they reflect the "
-                    "room, but what they reflect looks matt in them.",
-                    glossy,
-                )
-            )
         return tuple(found)
-
-
-class _Clock:
-    """Seconds by part, each until `finish` returns."""
-
-    def __init__(self, finish: Callable[[], object] = lambda: None) -> None:
-        self._finish = finish
-        self._start = time.perf_counter()
-        self._parts: dict[str, float] = {}
-
-    @contextmanager
-    def __call__(self, name: str) -> Iterator[None]:
-        start = time.perf_counter()
-        yield
-        self._finish()
-        self._parts[name] = time.perf_counter() - start
-
-    def timings(self) -> dict[str, float]:
-        return {**self._parts, "total": time.perf_counter() - self._start}

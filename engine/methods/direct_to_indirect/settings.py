@@ -18,6 +18,13 @@ class Settings:
     gather_samples: int = 65536
     """Samples of the gather cloud: a power of four from 256 to 4,194,304 (§3.4, §6)."""
 
+    cloud: Literal["uniform", "importance"] = "uniform"
+    """Where they lie (§4.1): evenly over all surfaces that light can come from, or the more densely
+    the more of what is reflected there ends up in the picture. `importance` is for views that show
+    part of a larger scene: a corner of a hall is 2.3 % off in place of 3.0 to 3.2 with 4,096 or
+    16,384 samples, and 1.7 to 1.9 with 6 `bounces`, which it wants more of. Where all is in view,
+    as in the Cornell box, both are alike. With few samples light far from the view may be worse."""
+
     coefficients: int = 100
     """Wavelets that a view sample keeps: 1 to 4096 (§3.7, Table 2); see `fixed_view.packing`."""
 
@@ -83,6 +90,8 @@ class Settings:
             value = getattr(self, name)
             if not low <= value <= high:
                 raise InputError(f"{value} is not between {low} and {high}", field=name)
+        if self.cloud not in ("uniform", "importance"):
+            raise InputError(f"{self.cloud!r} is neither uniform nor importance", field="cloud")
         if self.gather not in ("rays", "links"):
             raise InputError(f"{self.gather!r} is neither rays nor links", field="gather")
         try:

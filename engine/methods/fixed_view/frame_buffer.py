@@ -10,6 +10,7 @@ that falls in a crack between triangles speaks for nobody.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -17,7 +18,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.backend.cpu.penumbra import alike_neighbours
-from engine.brdf.base import ROW
+from engine.brdf.base import ROW, SPECULAR
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, sub, vec
 from engine.scene import surface
@@ -47,7 +48,7 @@ class Points:
     geometric  (n, 3) float32  unit, of the flat triangle, on the side of `view`
     view       (n, 3) float32  unit, towards the eye
     model      (n,) int32      BRDF model; -1 where nothing is hit
-    row        (n, 16) float32 BRDF parameters, textures applied
+    row        (n, ROW) float32 BRDF parameters, textures applied
     object     (n,) int32      -1 where nothing is hit
     material   (n,) int32      -1 where nothing is hit
     phase      (n,) uint8      0 to 15, other than the neighbours': from which places on it a light
@@ -68,6 +69,11 @@ class Points:
 
     def __len__(self) -> int:
         return len(self.model)
+
+    @cached_property
+    def matt(self) -> NDArray[np.bool_]:
+        """(n,) bool: whether it is a surface without gloss; see `brdf.base.is_matt`."""
+        return (self.model >= 0) & (self.row[:, SPECULAR : SPECULAR + 3].max(axis=1) <= 0)
 
     def take(self, index: NDArray[np.integer] | slice) -> Points:
         """The points of an index array or slice."""
@@ -156,7 +162,9 @@ def build(scene: Scene) -> FrameBuffer:
         scene.diagonal,
         donor,
     )
-    alike = alike_neighbours(centre.position, centre.normal, centre.object, camera.width)
+    alike = alike_neighbours(
+        centre.position, centre.normal, centre.object, centre.matt, camera.width
+    )
     return FrameBuffer(camera, centre, pixel, sub, donor, float(spread), alike)
 
 
@@ -206,8 +214,8 @@ def _describe_hits(
         if t < 0:
             continue
         p = surface.position(geometry, t, b1[i], b2[i])
-        g, s = surface.normals(geometry, t, b1[i], b2[i], vec(view, i))
-        model[i] = surface.parameters(geometry, materials, t, b1[i], b2[i], row[i])
+        g, s = surface.normals(geometry, materials, t, b1[i], b2[i], vec(view, i))
+        model[i] = surface.parameters(geometry, materials, t, b1[i], b2[i], s, row[i])
         obj[i] = geometry.object[t]
         material[i] = geometry.material[t]
         for k in range(3):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,23 +11,33 @@ from numpy.typing import NDArray
 from engine.backend.gl.bvh import build_tree
 from engine.backend.gl.context import Device, Uploads
 from engine.backend.gl.points import Surface
-from engine.backend.gl.shading import HAS_SUBSAMPLES, Shading, light_ends, smooth_penumbrae
+from engine.backend.gl.shading import (
+    HAS_SUBSAMPLES,
+    Shading,
+    SoftPixels,
+    SoftPlaces,
+    light_ends,
+)
 from engine.backend.gl.sums import add
 from engine.light.base import Light
 from engine.light.table import light_table
 from engine.methods.fixed_view.direct import (
     BLOCK,
     CENTRE,
+    NARROW,
     PER_COARSE_PENUMBRA_PIXEL,
     PER_PENUMBRA_PIXEL,
     PER_PIXEL,
     PER_SUBSAMPLE,
+    PER_WIDE_PENUMBRA_PIXEL,
     PROBE_REACH,
-    LightPictures,
+    STEEP,
+    WIDE,
     light_samples,
     probes,
 )
 from engine.methods.fixed_view.frame_buffer import FINE, Points
+from engine.methods.fixed_view.light_pictures import LightPictures
 from engine.methods.fixed_view.view import OVER_PIXEL, View
 
 
@@ -76,15 +87,25 @@ class GlView:
     def on_points(self, points: Surface, lights: tuple[Light, ...], total: Any) -> None:
         """Add the light on points of a cloud; see `direct.light_on_points`."""
 
+        for picture in self._each_on_points(points, lights):
+            add(self._device, total, picture.buffer, points.count)
+
+    def read_points(self, points: Surface, light: Light) -> NDArray[np.float32]:
+        """(n, 3): the light of one that is on, on points of a cloud."""
+        out = np.zeros((points.count, 3), np.float32)
+        for picture in self._each_on_points(points, (light,)):
+            picture.buffer.read_into(out, out.nbytes)
+        return out
+
+    def _each_on_points(self, points: Surface, lights: tuple[Light, ...]) -> Iterator[Picture]:
         def compute(light: Light) -> Picture:
             picture = self._picture(points.count)
-            visible = self._device.room(4 * points.count)
             table, samples = light_table([light]), light_samples(light, 1)
+            visible = self._device.room(4 * points.count)
             self._shading.points(points, table, samples, picture.buffer, visible)
             return picture
 
-        for picture in self._pictures.each("gather", lights, compute):
-            add(self._device, total, picture.buffer, points.count)
+        return self._pictures.each("gather", lights, compute)
 
     def direct(
         self,
@@ -144,15 +165,13 @@ class GlView:
     def _soft(self, pixels: Pixels, light: Light, per_penumbra: int) -> Picture:
         """See `direct._soft_light`."""
         radiance, table = self._picture(pixels.surface.count), light_table([light])
-        self._shading.points(pixels.surface, table, probes(), radiance.buffer, pixels.visible)
         lit, penumbra = (light_samples(light, k)[:BLOCK] for k in (PER_PIXEL, per_penumbra))
+        wide, every = (light_samples(light, k) for k in (PER_WIDE_PENUMBRA_PIXEL, 64))
         self._shading.soft(
-            pixels.surface, table, lit, penumbra, pixels.visible, pixels.width, PROBE_REACH,
+            pixels.surface, table, SoftPlaces(every, wide, penumbra, lit, probes()),
+            SoftPixels(pixels.flags, pixels.width, pixels.spare, PROBE_REACH, WIDE, NARROW, STEEP),
             radiance.buffer,
         )  # fmt: skip
-        smooth_penumbrae(
-            self._device, pixels.surface, pixels.flags, pixels.width, radiance.buffer, pixels.spare
-        )
         return radiance
 
     def _picture(self, n: int) -> Picture:

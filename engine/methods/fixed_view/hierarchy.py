@@ -33,7 +33,8 @@ class Clusters(NamedTuple):
     radius    (c,) float32         half of the bounding box's diagonal
     axis      (c, 3) float32       unit mean normal (the first sample's where they cancel)
     spread    (c,) float32         cosine of the widest angle between axis and a sample's normal
-    area      float                m² of one sample
+    area      (c,) float32         m² of all its samples
+    uneven    (c,) float32         the largest area of a sample over the mean one
     """
 
     depth: int
@@ -41,7 +42,8 @@ class Clusters(NamedTuple):
     radius: NDArray[np.float32]
     axis: NDArray[np.float32]
     spread: NDArray[np.float32]
-    area: float
+    area: NDArray[np.float32]
+    uneven: NDArray[np.float32]
 
 
 def build_order(
@@ -99,14 +101,15 @@ def _split_runs(start, stop, features, order, size):
 
 
 def describe_clusters(
-    position: NDArray[np.float32], normal: NDArray[np.float32], area: float
+    position: NDArray[np.float32], normal: NDArray[np.float32], area: NDArray[np.float32]
 ) -> Clusters:
-    """The clusters over samples that are in tree order."""
+    """The clusters over samples that are in tree order; area (n,), m²."""
     depth = levels(len(position))
-    centre, radius, axis, spread = [], [], [], []
+    centre, radius, axis, spread, sizes, uneven = [], [], [], [], [], []
     for level in range(depth + 1):
         p = position.reshape(4**level, -1, 3)
         n = normal.reshape(4**level, -1, 3)
+        a = area.astype(np.float64).reshape(4**level, -1)
         extent = p.max(axis=1) - p.min(axis=1)
         mean = n.mean(axis=1)
         length = np.linalg.norm(mean, axis=1, keepdims=True)
@@ -115,13 +118,16 @@ def describe_clusters(
         radius.append(0.5 * np.linalg.norm(extent, axis=1))
         axis.append(unit)
         spread.append(np.einsum("cij,cj->ci", n, unit).min(axis=1))
+        sizes.append(a.sum(axis=1))
+        uneven.append(a.max(axis=1) / a.mean(axis=1))
     return Clusters(
         depth,
         np.concatenate(centre).astype(np.float32),
         np.concatenate(radius).astype(np.float32),
         np.concatenate(axis).astype(np.float32),
         np.clip(np.concatenate(spread), -1, 1).astype(np.float32),
-        float(area),
+        np.concatenate(sizes).astype(np.float32),
+        np.concatenate(uneven).astype(np.float32),
     )
 
 

@@ -62,7 +62,7 @@ def environment_importance() -> NDArray[np.float32]:
 def trial_lights(scene: Scene, cloud: GatherCloud, seed: int) -> list[Light]:
     """Lights in the open space before random gather samples, every other one a spot."""
     rng = np.random.default_rng(seed)
-    chosen = rng.integers(0, len(cloud), LIGHTS)
+    chosen = _by_area(cloud)[rng.integers(0, len(cloud), LIGHTS)]
     normal = cloud.points.geometric[chosen].astype(np.float64)
     direction = rng.normal(size=(LIGHTS, 3))
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
@@ -89,3 +89,10 @@ def trial_lights(scene: Scene, cloud: GatherCloud, seed: int) -> list[Light]:
         else:
             lights.append(PointLight(id=f"trial {k}", position=tuple(p), intensity=(1, 1, 1)))
     return lights
+
+
+def _by_area(cloud: GatherCloud) -> NDArray[np.intp]:
+    """(n_g,) samples in order, each as often as it stands for the mean area of one."""
+    upto = np.cumsum(cloud.area, dtype=np.float64)
+    places = (np.arange(len(cloud)) + 0.5) / len(cloud) * upto[-1]
+    return np.searchsorted(upto, places)

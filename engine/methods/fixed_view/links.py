@@ -12,7 +12,7 @@ need no clamp, where the paper clamps 1/r² and darkens them.
 Two sizes steer the work, because a ray costs twenty times what the formula does. A *link* is a
 cluster whose form factor is below `link_size`; it gets one shadow ray, to a random sample. Inside
 a link the formula is evaluated for *patches*, clusters that are narrow (`patch_size`, diagonal by
-distance) and flat.
+distance), flat, and of samples that stand for about the same area.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ from engine.numerics.sampling import uniform
 from engine.numerics.vec import add, dot, scale, sub, vec
 
 FLAT = 0.9  # a patch's normals lie within 26 degrees of their mean
-DUST = 0.05  # part of `link_size` below which a patch need be neither narrow nor flat
+EVEN = 1.5  # areas of a patch's samples, the largest over the mean
+DUST = 0.05  # part of `link_size` below which a patch need be none of narrow, flat and even
 MAX_STACK = 128
 MOST_CLOSURE = 4.0
 
@@ -177,7 +178,7 @@ def _upper_bound(clusters, level, node, x, n):
         if angle >= 0.5 * math.pi:
             return 0.0
         facing = math.cos(max(0.0, angle))
-    area = clusters.area * facing * (1 << (2 * (clusters.depth - level)))
+    area = float(clusters.area[c]) * facing
     near = max(d - r, 0.25 * d)
     cosine = min(1.0, (height + r) / max(d, 1e-12))
     return area * cosine / max(near * near, 1e-20)
@@ -198,9 +199,9 @@ def _patches(clusters, level, node, x, n, patch_size, dust, link, patches, stack
         d2 = dot(v, v)
         d = math.sqrt(d2)
         size = 2.0 * clusters.radius[c]
-        crooked = clusters.spread[c] < FLAT
-        if level < depth and (size > patch_size * d or crooked):
-            large = clusters.area * (1 << (2 * (depth - level))) > dust * d2
+        mixed = clusters.spread[c] < FLAT or clusters.uneven[c] > EVEN
+        if level < depth and (size > patch_size * d or mixed):
+            large = clusters.area[c] > dust * d2
             if large or size > d:
                 for k in range(4):
                     levels[top], nodes[top] = level + 1, 4 * node + (3 - k)
@@ -214,6 +215,7 @@ def _patches(clusters, level, node, x, n, patch_size, dust, link, patches, stack
             return -1
         out.link[patches] = link
         out.cluster[patches] = c
-        out.weight[patches] = cos_x * cos_j * clusters.area / (d2 + clusters.area / math.pi)
+        area = float(clusters.area[c]) / (1 << (2 * (depth - level)))
+        out.weight[patches] = cos_x * cos_j * area / (d2 + area / math.pi)
         patches += 1
     return patches

@@ -20,8 +20,8 @@ class Grid(NamedTuple):
     counts    (3,) int64          cells each way
     start     (cells + 1,) int32  first sample of each cell, the third direction fastest
     sample    (n,) int32          the samples in the order of their cells
-    features  (n, 6) float32      position and scaled normal, in that order too
-    bend      float               m, scale of the normals: one spacing of the samples
+    features  (n, 7) float32      position, scaled normal and scale, in that order too
+    spacing   (n,) float32        m, of each sample: the scale of its normal
     """
 
     low: NDArray[np.float64]
@@ -30,36 +30,46 @@ class Grid(NamedTuple):
     start: NDArray[np.int32]
     sample: NDArray[np.int32]
     features: NDArray[np.float32]
-    bend: float
+    spacing: NDArray[np.float32]
 
 
-def build_grid(position: NDArray[np.float32], normal: NDArray[np.float32], area: float) -> Grid:
-    """Over samples at position, with unit normal (n, 3) float32, each standing for `area` m²."""
+def build_grid(
+    position: NDArray[np.float32], normal: NDArray[np.float32], area: NDArray[np.float32]
+) -> Grid:
+    """Over samples at position, with unit normal (n, 3) float32, standing for area (n,) m²."""
     places = position.astype(np.float64)
     low, high = places.min(axis=0), places.max(axis=0)
-    bend = math.sqrt(area)
-    size = max(bend, float((high - low).max()) / CELLS, 1e-12)
+    spacing = np.sqrt(area)
+    middle = math.sqrt(float(area.mean(dtype=np.float64)))
+    size = max(middle, float((high - low).max()) / CELLS, 1e-12)
     cell = ((places - low) / size).astype(np.int64)
     counts = cell.max(axis=0) + 1
     key = (cell[:, 0] * counts[1] + cell[:, 1]) * counts[2] + cell[:, 2]
     sample = np.argsort(key, kind="stable").astype(np.int32)
     start = np.searchsorted(key[sample], np.arange(int(counts.prod()) + 1)).astype(np.int32)
-    features = np.concatenate([position, np.float32(bend) * normal], axis=1)[sample]
-    return Grid(low, size, counts, start, sample, np.ascontiguousarray(features), bend)
+    bend = spacing[:, None]
+    features = np.concatenate([position, bend * normal, bend], axis=1)[sample]
+    return Grid(low, size, counts, start, sample, np.ascontiguousarray(features), spacing)
 
 
 @njit
 def nearest(grid, x, n):
-    """Index of the sample with the least |p - x|² + bend² |n_p - n|² from place x, normal n.
+    """Index of the sample p with the least |p - x|² + spacing_p² |n_p - n|² from place x, normal n.
 
     The same as eq. 9 of Hašan et al. 2006 with normals weighed by the spacing of the samples, so
     that of two sides of a sheet, or two walls of a corner, each keeps to its own.
     """
-    bent = (n[0] * grid.bend, n[1] * grid.bend, n[2] * grid.bend)
-    f = (
-        np.float32(x[0]), np.float32(x[1]), np.float32(x[2]),
-        np.float32(bent[0]), np.float32(bent[1]), np.float32(bent[2]),
-    )  # fmt: skip
+    return nearest_beyond(grid, x, n, np.float32(-1.0))[0]
+
+
+@njit
+def nearest_beyond(grid, x, n, beyond):
+    """(index, that sum of squares) of the nearest sample that is farther than `beyond`.
+
+    The index is -1 where there is none.
+    """
+    f = (np.float32(x[0]), np.float32(x[1]), np.float32(x[2]))
+    m = (np.float32(n[0]), np.float32(n[1]), np.float32(n[2]))
     nx, ny, nz = grid.counts
     cx = min(max(int((x[0] - grid.low[0]) / grid.size), 0), nx - 1)
     cy = min(max(int((x[1] - grid.low[1]) / grid.size), 0), ny - 1)
@@ -82,14 +92,15 @@ def nearest(grid, x, n):
                 column = (ix * ny + iy) * nz
                 for k in range(grid.start[column + z0], grid.start[column + z1]):
                     d = np.float32(0.0)
-                    for c in range(6):
+                    for c in range(3):
                         e = grid.features[k, c] - f[c]
-                        d += e * e
-                    if d < best:
+                        h = grid.features[k, 3 + c] - grid.features[k, 6] * m[c]
+                        d += e * e + h * h
+                    if beyond < d < best:
                         best, found = d, k
         # Whatever lies beyond the ring is at least so far off.
         if best <= (ring * grid.size) ** 2 or ring > max(nx, ny, nz):
-            return grid.sample[found]
+            return grid.sample[found] if found >= 0 else -1, best
         ring *= 2
 
 

@@ -40,17 +40,17 @@ CLOSE = 0.02
 def exposed_sides(scene: Scene, points: Points, seed: int) -> NDArray[np.bool_]:
     """(t, 2) bool: front and back of every triangle."""
     hits = np.zeros((len(scene.geometry.triangles), 2), np.int64)
-    start = np.flatnonzero(points.model >= 0)
-    if len(start) == 0:
+    met = points.take(np.flatnonzero(points.model >= 0))
+    if len(met) == 0:
         return np.tile([True, False], (len(hits), 1))
-    chosen = start[np.linspace(0, len(start) - 1, PARTICLES).astype(np.intp)]
-    position, normal = points.position[chosen], points.geometric[chosen]
+    chosen = evenly_chosen(met, PARTICLES)
+    position, normal = chosen.position, chosen.geometric
 
     # What the camera sees is exposed, however few particles come back to it.
-    above = (points.position + 4 * scene.rays.epsilon * points.geometric)[start]
-    seen = scene.rays.intersect(above, -points.geometric[start], 8 * scene.rays.epsilon)
+    above = met.position + 4 * scene.rays.epsilon * met.geometric
+    seen = scene.rays.intersect(above, -met.geometric, 8 * scene.rays.epsilon)
     sides = np.zeros_like(hits, np.bool_)
-    side = _sides_met(scene, seen, -points.geometric[start])[0]
+    side = sides_met(scene, seen, -met.geometric)[0]
     sides[seen.triangle[seen.triangle >= 0], side[seen.triangle >= 0]] = True
 
     # Bounce: every hit is counted for its side and becomes the start of the next flight.
@@ -59,9 +59,9 @@ def exposed_sides(scene: Scene, points: Points, seed: int) -> NDArray[np.bool_]:
         origin = np.zeros((n, 3), np.float32)
         direction = np.zeros((n, 3), np.float32)
         args = (position, normal, scene.rays.epsilon, seed + bounce, origin, direction)
-        for_ranges(_cosine_rays, n, *args)
+        for_ranges(cosine_rays, n, *args)
         found = scene.rays.intersect(origin, direction)
-        side, position, normal = _sides_met(scene, found, direction)
+        side, position, normal = sides_met(scene, found, direction)
         alive = found.triangle >= 0
         np.add.at(hits, (found.triangle[alive], side[alive]), 1)
         position, normal = position[alive], normal[alive]
@@ -96,15 +96,23 @@ def looks_out(
     origin, direction = np.zeros((n, 3), np.float32), np.zeros((n, 3), np.float32)
     for look in range(LOOKS):
         args = (position, normal, scene.rays.epsilon, seed + look, origin, direction)
-        for_ranges(_cosine_rays, n, *args)
+        for_ranges(cosine_rays, n, *args)
         hits = scene.rays.intersect(origin, direction)
-        side, _, _ = _sides_met(scene, hits, direction)
+        side, _, _ = sides_met(scene, hits, direction)
         far = hits.distance > CLOSE * scene.diagonal
         found += (hits.triangle < 0) | (sides[hits.triangle, side] & far)
     return found >= OUTLOOKS
 
 
-def _sides_met(
+def evenly_chosen(points: Points, count: int) -> Points:
+    """`count` of the points that lie on something, some of them often; none if none does."""
+    start = np.flatnonzero(points.model >= 0)
+    if len(start) == 0:
+        return points.take(start)
+    return points.take(start[np.linspace(0, len(start) - 1, count).astype(np.intp)])
+
+
+def sides_met(
     scene: Scene, hits: Hits, direction: NDArray[np.float32]
 ) -> tuple[NDArray[np.int8], NDArray[np.float32], NDArray[np.float32]]:
     """(side (n,) int8, position (n, 3), normal (n, 3)) of hits, on the side that was met."""
@@ -125,6 +133,13 @@ def triangle_areas(scene: Scene) -> NDArray[np.float64]:
     return 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
 
 
+def triangle_normals(scene: Scene) -> NDArray[np.float64]:
+    """(t, 3) float64, unit, on the counter-clockwise side; 0 for triangles without an area."""
+    corners = scene.geometry.positions[scene.geometry.triangles].astype(np.float64)
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
+
+
 def smooth_pieces(scene: Scene) -> NDArray[np.int32]:
     """(t,) int32: triangles that share a vertex belong to one piece."""
     triangles = scene.geometry.triangles
@@ -137,7 +152,8 @@ def smooth_pieces(scene: Scene) -> NDArray[np.int32]:
 
 
 @njit(cache=True, nogil=True)
-def _cosine_rays(start, stop, position, normal, epsilon, seed, origin, direction):
+def cosine_rays(start, stop, position, normal, epsilon, seed, origin, direction):
+    """Fill origin, direction (n, 3) with a ray from each place, by the cosine to its normal."""
     for i in range(start, stop):
         n = vec(normal, i)
         s, t = tangents(n)

@@ -27,16 +27,13 @@ from engine.light.environment import Environment, EnvironmentTable, environment_
 from engine.light.table import light_table
 from engine.methods.fixed_view import frame_buffer
 from engine.methods.fixed_view.backdrop import Backdrop
-from engine.methods.fixed_view.direct import (
-    Lamp,
-    LightPictures,
-    light_on_buffer,
-    light_on_pixels,
-)
+from engine.methods.fixed_view.direct import light_on_buffer, light_on_pixels
 from engine.methods.fixed_view.frame_buffer import FrameBuffer, Points, pixel_phase
+from engine.methods.fixed_view.light_pictures import Lamp, LightPictures
 from engine.numerics.borrow import borrow
+from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
-from engine.numerics.vec import dot, scale, sub, vec
+from engine.numerics.vec import dot, normalize, scale, sub, vec
 from engine.scene.scene import Scene
 
 emitted_by = lights.emitted
@@ -73,8 +70,9 @@ class View:
         self._coarse.phase[:] = pixel_phase(width, height)
         self._coarse.size[:] *= 2
         self.coarse_alike = alike_neighbours(
-            self._coarse.position, self._coarse.normal, self._coarse.object, width
-        )
+            self._coarse.position, self._coarse.normal, self._coarse.object, self._coarse.matt,
+            width,
+        )  # fmt: skip
 
     def shape(self, scale: int) -> tuple[int, int]:
         """(height, width) of a picture of every scale-th pixel."""
@@ -185,10 +183,8 @@ def _reflectance(points: Points) -> Reflectance:
     gloss = np.zeros_like(matt)
     glossy = np.flatnonzero((points.row[:, 3:6].max(axis=1, initial=0) > 0) & (points.model >= 0))
     if len(glossy):
-        cosine = np.einsum("ij,ij->i", points.view[glossy], points.normal[glossy])
         wo = np.zeros((len(glossy), 3))
-        wo[:, 2] = np.clip(cosine, 1e-3, 1)
-        wo[:, 0] = np.sqrt(1 - wo[:, 2] ** 2)
+        for_ranges(_local_views, len(glossy), points.view[glossy], points.normal[glossy], wo)
         model, row = points.model[glossy], points.row[glossy]
         whole = albedo(model, row, wo, ALBEDO_POINTS)
         gloss[glossy] = albedo(model, gloss_of(row), wo, ALBEDO_POINTS)
@@ -197,10 +193,20 @@ def _reflectance(points: Points) -> Reflectance:
 
 
 def gloss_of(row: NDArray[np.float32]) -> NDArray[np.float32]:
-    """BRDF parameters (n, 16) without their diffuse part."""
+    """BRDF parameters (n, ROW) without their diffuse part."""
     out = row.copy()
     out[:, DIFFUSE : DIFFUSE + 3] = 0
     return out
+
+
+@njit(cache=True, nogil=True)
+def _local_views(start, stop, view, normal, out):
+    """Fill out (n, 3) with the directions to the eye in the frames of the normals."""
+    for i in range(start, stop):
+        n = vec(normal, i)
+        s, t = tangents(n)
+        x, y, z = to_local(vec(view, i), s, t, n)
+        out[i, 0], out[i, 1], out[i, 2] = normalize((x, y, max(1e-3, z)))
 
 
 @njit(cache=True, nogil=True)

@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from engine.scene.builtin import cornell_box, room
+from engine.scene.builtin import cornell_box, knot, room
 
 BUILTIN: dict[str, tuple[str, Callable[[], dict[str, Any]]]] = {
     "cornell-box": (cornell_box.SUMMARY, cornell_box.document),
+    "knot": (knot.SUMMARY, knot.document),
     "room": (room.SUMMARY, room.document),
 }

@@ -51,19 +51,18 @@ def view(tmp_path: Any, **material: Any) -> View:
     return View(build(describe(document), tmp_path))
 
 
-def test_as_close_to_the_truth_as_all_samples_in_every_pixel(
-    tmp_path: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_as_close_to_the_truth_as_all_samples_in_every_pixel(tmp_path: Any) -> None:
     """For a quarter of the rays at most: smoothing takes away the banding and adds little blur."""
     seen = view(tmp_path)
     off = [{"id": light.id, "enabled": False} for light in seen.scene.lights]
     scene = apply(seen.scene, Edits(lights=[*off, LAMP.model_dump()]))
     truth = render_direct(scene, samples=256).image.reshape(-1, 3)
     quick = light_on_buffer(seen.scene.rays, seen.buffer, LAMP)
-    for name in ("PER_PIXEL", "PER_SUBSAMPLE", "PER_PENUMBRA_PIXEL"):
-        monkeypatch.setattr(direct, name, 64)
-    monkeypatch.setattr(direct, "smooth_penumbrae", lambda radiance, *_: radiance)
-    full = light_on_buffer(seen.scene.rays, seen.buffer, LAMP)
+    full = quick.copy()
+    inside = np.ones(len(full), np.bool_)
+    inside[seen.buffer.edge] = False
+    every = light_samples(LAMP, 64)
+    full[inside] = direct._light(seen.scene.rays, seen.buffer.centre, LAMP, every)[0][inside]
 
     # There is a penumbra to speak of.
     lit = truth.max(axis=1)
@@ -166,7 +165,8 @@ def test_a_pattern_of_blocks_becomes_flat_up_to_every_border() -> None:
     width, height = 9, 7
     position, normal, obj = flat(width, height)
     obj[position[:, 0] >= 4] = 1
-    alike = alike_neighbours(position, normal, obj, width)
+    matt = np.ones(len(obj), np.bool_)
+    alike = alike_neighbours(position, normal, obj, matt, width)
     x, y = position[:, 0].astype(int), position[:, 1].astype(int)
     row = np.zeros((len(obj), 16), np.float32)
     row[:, :3] = np.random.default_rng(1).uniform(0.2, 0.8, (len(obj), 3))  # a texture
@@ -179,7 +179,8 @@ def test_a_pattern_of_blocks_becomes_flat_up_to_every_border() -> None:
 def test_neighbours_across_edges_are_not_alike() -> None:
     width, height = 6, 5
     position, normal, obj = flat(width, height)
-    plain = alike_neighbours(position, normal, obj, width).reshape(height, width)
+    matt = np.ones(30, np.bool_)
+    plain = alike_neighbours(position, normal, obj, matt, width).reshape(height, width)
     assert (plain[:-1, :-1] == RIGHT | DOWN).all()
     assert (plain[:-1, -1] == DOWN).all()
     assert (plain[-1, :-1] == RIGHT).all()
@@ -190,11 +191,16 @@ def test_neighbours_across_edges_are_not_alike() -> None:
     step[position[:, 0] >= 3, 2] = 1
     bent = normal.copy()
     bent[position[:, 0] >= 3] = [0.6, 0, 0.8]
-    for arrays in ((step, normal, obj), (position, bent, obj)):
+    gloss = np.where(position[:, 0] >= 3, False, True)
+    for arrays in (
+        (step, normal, obj, matt),
+        (position, bent, obj, matt),
+        (position, normal, obj, gloss),
+    ):
         found = alike_neighbours(*arrays, width).reshape(height, width)
         assert not (found[:, 2] & RIGHT).any()
         assert (found[:-1, 2] & DOWN).all()
-    found = alike_neighbours(position, normal, nothing, width).reshape(height, width)
+    found = alike_neighbours(position, normal, nothing, matt, width).reshape(height, width)
     assert found[1, 2] == 0
     assert not found[1, 1] & RIGHT
     assert not found[0, 2] & DOWN

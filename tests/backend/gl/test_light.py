@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from backend.gl.one_call import call
-from light.lights import EXAMPLES, WIDE, emitted, illuminate
+from light.lights import EXAMPLES, WIDE, emitted, glance, illuminate, irradiance
 
 from engine.backend.gl.context import Device
 from engine.backend.gl.tables import CHOSEN_LIGHT, chosen_light
@@ -77,6 +77,49 @@ def test_emitted(gpu: Device, light: Light) -> None:
     both = met & (found[:, 0] >= 0)
     assert (met != (found[:, 0] >= 0)).mean() < 2e-3
     np.testing.assert_allclose(found[both], expected[both], rtol=2e-3)
+
+
+@pytest.mark.parametrize("light", WIDE, ids=lambda light: light.id)
+def test_irradiance(gpu: Device, light: Light) -> None:
+    """Over, under and across the horizon, and for normals that lean."""
+    rng = np.random.default_rng(6)
+    x = rng.uniform(-1, 1, (COUNT, 3)).astype(np.float32)
+    n = rng.normal(size=(COUNT, 3))
+    g = n + rng.normal(size=(COUNT, 3)) * (0.3 * (np.arange(COUNT) % 2))[:, None]
+    n, g = ((v / np.linalg.norm(v, axis=1, keepdims=True)).astype(np.float32) for v in (n, g))
+    table = light_table([light])
+    found = call(
+        gpu, CHOSEN_LIGHT, "a.x, a.y, a.z", 3,
+        made={CHOSEN_LIGHT: chosen_light(int(table.kind[0]))},
+        before="vec3 a = irradiance(p, x, n, g);", p=table.row, x=x, n=n, g=g,
+    )  # fmt: skip
+    expected = irradiance(light, x, n, g)
+    assert ((found < 0) == (expected < 0)).mean() > 0.998
+    known = (found[:, 0] >= 0) & (expected[:, 0] >= 0)
+    assert (expected[known] > 0).any()
+    scale = expected[known].max()
+    # Of a tiny lamp on the horizon float32 leaves less.
+    np.testing.assert_allclose(found[known], expected[known], rtol=1e-3, atol=1e-4 * scale)
+    assert np.linalg.norm((found - expected)[known]) < 1e-5 * np.linalg.norm(expected[known])
+
+
+@pytest.mark.parametrize("light", WIDE, ids=lambda light: light.id)
+def test_glance(gpu: Device, light: Light) -> None:
+    rng = np.random.default_rng(7)
+    x = rng.uniform(-1, 1, (COUNT, 3)).astype(np.float32)
+    u = rng.integers(0, 8, (COUNT, 2)).astype(np.float32) / 8 + 1 / 16
+    table = light_table([light])
+    found = call(
+        gpu, CHOSEN_LIGHT, "a.w.x, a.w.y, a.w.z, a.distance, a.rgb.x, a.rgb.y, a.rgb.z", 7,
+        made={CHOSEN_LIGHT: chosen_light(int(table.kind[0]))},
+        before="Lit a = glance(p, x, 0.0, u);", p=table.row, x=x, u=u,
+    )  # fmt: skip
+    expected = glance(light, x, u)
+    lit = (expected[:, 4] > 0) & (found[:, 4] > 0)
+    assert ((expected[:, 4] > 0) == lit).mean() > 0.998
+    # At the limit of `illuminate` rounding decides which of two ways a sample is taken.
+    off = np.abs(found - expected)[lit] / np.maximum(1, np.abs(expected[lit]))
+    assert (off.max(axis=1) < 1e-3).mean() > 0.995
 
 
 def test_the_example_of_the_readme(gpu: Device) -> None:

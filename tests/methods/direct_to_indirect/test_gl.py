@@ -18,6 +18,7 @@ from engine.errors import BackendError
 from engine.methods import Product, prepare
 from engine.methods.direct_to_indirect import Settings, Transfer
 from engine.methods.direct_to_indirect.gl_transfer import GlTransfer
+from engine.methods.direct_to_indirect.light_balance import LightBalance
 from engine.scene.build import build
 from engine.scene.edits import Edits
 from engine.scene.open import describe
@@ -34,7 +35,9 @@ def different(product: Product, edits: Edits, scale: int) -> float:
     """Relative L2 difference of the pictures of both backends, which say the same of them."""
     theirs, ours = (product.relight(edits, scale, backend) for backend in ("cpu", "gl"))
     device().check()
-    assert ours.warnings == theirs.warnings
+    assert [w.message for w in ours.warnings] == [w.message for w in theirs.warnings]
+    for mine, other in zip(ours.warnings, theirs.warnings, strict=True):
+        assert mine.size == pytest.approx(other.size, rel=SAME)
     assert set(ours.timings) >= PARTS
     assert np.isfinite(ours.image).all()
     assert ours.image.shape == theirs.image.shape
@@ -43,16 +46,16 @@ def different(product: Product, edits: Edits, scale: int) -> float:
 
 
 @pytest.fixture(scope="module")
-def box(tmp_path_factory: pytest.TempPathFactory) -> Product:
+def box(tmp_path_factory: pytest.TempPathFactory) -> Transfer:
     store = Store(tmp_path_factory.mktemp("store"))
-    return prepare(cornell(64), "direct_to_indirect", SMALL, store=store)
+    return prepare(cornell(64), "direct_to_indirect", SMALL, store=store)  # type: ignore[return-value]
 
 
 @pytest.mark.parametrize("scale", [1, 2])
 @pytest.mark.parametrize("x", [0.2, 0.35])
-def test_cornell_box(box: Product, scale: int, x: float) -> None:
+def test_cornell_box(box: Transfer, scale: int, x: float) -> None:
     """A lamp and a spot, in two places."""
-    first, _ = box.view.scene.lights  # type: ignore[attr-defined]
+    first, _ = box.view.scene.lights
     moved = Edits(lights=[{"id": first.id, "position": [x, 0.5, 0.25]}])
     assert different(box, moved, scale) < SAME
     only = Edits(lights=[{"id": first.id, "enabled": False}])
@@ -157,6 +160,25 @@ def test_compose(corner: Transfer, scale: int) -> None:
     found = np.frombuffer(gl._image.read(image.nbytes), np.float32).reshape(n, 3)
     corner._compose(arriving, mirrored, image, scale)
     np.testing.assert_allclose(found, image, rtol=1e-5, atol=1e-6)
+
+
+def test_the_gpu_lights_the_cloud_for_the_diagnoses_too(
+    box: Transfer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is said of lights and of what the cloud reflects costs the CPU no shadow rays."""
+    light = {"type": "spot", "id": "new", "cone_degrees": 4, "intensity": [1, 1, 1]}
+    edits = Edits(lights=[{**light, "position": [0.3, 0.4, 0.2], "target": [0.3, 0, 0.2]}])
+    expected = box.relight(edits, 1, "cpu").warnings
+    assert "light_between_samples" in [w.code for w in expected]
+    other = copy(box)
+    other._balance = LightBalance(box.view.scene, box.cloud, box._balance._grid)
+
+    def fail(*_: Any) -> None:
+        raise AssertionError("the CPU lights the cloud")
+
+    monkeypatch.setattr(Transfer, "_light_on_cloud", fail)
+    found = other.relight(edits, 1, "gl").warnings
+    assert [w.message for w in found] == [w.message for w in expected]
 
 
 def test_gl_that_fails_is_replaced_by_the_cpu(

@@ -239,6 +239,7 @@ def test_the_key_knows_what_matters() -> None:
                 ("position_weight", 7.0),
                 ("gloss_coefficients", 17),
                 ("gather", "links"),
+                ("cloud", "importance"),
                 ("view_rays", 99),
                 ("gloss_rays", 99),
                 ("bounce_rays", 99),

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 from methods.errors import error_and_noise
 from methods.scenes import POINT, camera, cornell, rectangle, scene, white_room
+from PIL import Image
 
 from engine.errors import EditNotSupported, InputError
 from engine.methods import prepare
 from engine.methods.base import Frame
 from engine.methods.direct_to_indirect import Settings, Transfer, reflected
 from engine.reference import render
+from engine.scene.build import build
 from engine.scene.edits import Edits
+from engine.scene.open import describe
 from engine.scene.scene import Scene
 from engine.store import Store
 
@@ -106,6 +110,40 @@ def test_moving_a_light_and_back_gives_the_same_bytes(box: Transfer) -> None:
     moved = box.relight(lights({"id": "key", "position": [0.1, 0.5, 0.1]})).image
     assert relative(moved, before) > 0.01
     assert box.relight(Edits()).image.tobytes() == before.tobytes()
+
+
+def test_bent_normals_are_lit_as_the_reference_lights_them(make: Make, tmp_path: Path) -> None:
+    """Ripples of a floor and of a wall that lights it: 2.4 % off, 44 % if they were left out.
+
+    The indirect light alone is 2.5 % off; 4.8 with 233 rays.
+    """
+    slope = np.stack([np.cos(np.arange(16) / 16 * 2 * np.pi), np.zeros(16), np.ones(16)], axis=-1)
+    ripple = np.round(127.5 * (slope / np.linalg.norm(slope, axis=-1, keepdims=True) + 1))
+    Image.fromarray(np.tile(ripple.astype(np.uint8), (16, 1, 1))).save(tmp_path / "ripple.png")
+    pictures = {}
+    for strength in (1.0, 0.0):
+        bent = {"normal": {"texture": "ripple.png", "strength": strength}}
+        document = {
+            "camera": camera(48, position=[0, 0.5, 2.4], target=[0, -0.4, 0]),
+            "lights": [{**POINT, "position": [0.5, 0.3, 0.3]}],
+            "materials": {"bent": {"type": "diffuse", "diffuse": [0.7] * 3, **bent}},
+            "objects": [
+                {**rectangle("floor", [2, 2], [0, -1, 0], [-90, 0, 0]), "material": "bent"},
+                {**rectangle("back", [2, 2], [0, 0, -1]), "material": "bent"},
+            ],
+        }
+        pictures[strength] = build(describe(document), tmp_path)
+    # Ripples make rows unlike their neighbours, so that what they hold is more of it noise.
+    product = make(pictures[1.0], gather_samples=4096, coefficients=256, view_rays=1024)
+    truth = render(pictures[1.0], samples=256, seed=4)
+    plain = render(pictures[0.0], samples=16, seed=4)
+    whole, _ = error_and_noise(product.relight(Edits()).image, truth.image, truth.variance)
+    indirect, _ = error_and_noise(
+        product.indirect(Edits()), truth.indirect, truth.indirect_variance
+    )
+    assert relative(plain.image, truth.image) > 0.3
+    assert whole < 0.035
+    assert indirect < 0.04
 
 
 def test_red_wall_shines_on_what_is_beside_it(box: Transfer) -> None:

@@ -26,13 +26,14 @@ class Cloud(NamedTuple):
     clusters: Clusters
 
 
-def cloud(position: np.ndarray, normal: np.ndarray, area: float) -> Cloud:
-    """Samples (n, 3) with normals (n, 3), of `area` m² each."""
+def cloud(position: np.ndarray, normal: np.ndarray, area: float | np.ndarray) -> Cloud:
+    """Samples (n, 3) with normals (n, 3), of `area` m² each, or (n,)."""
     position = np.ascontiguousarray(position, np.float32)
     normal = np.ascontiguousarray(np.broadcast_to(normal, position.shape), np.float32)
     diagonal = float(np.linalg.norm(np.ptp(position, axis=0)))
     order = build_order(position, normal, diagonal, 6.0)
     position, normal = position[order], normal[order]
+    area = np.broadcast_to(np.float32(area), len(order))[order]
     return Cloud(position, normal, describe_clusters(position, normal, area))
 
 

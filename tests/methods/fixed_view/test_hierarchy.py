@@ -102,7 +102,7 @@ def test_degenerate_points(shape: str, n: int) -> None:
         # A line is cut into intervals.
         groups = np.sort(position[order, 0].reshape(4, -1), axis=1)
         assert (groups[:, -1] - groups[:, 0] == n // 4 - 1).all()
-    clusters = describe_clusters(position[order], normal[order], 0.1)
+    clusters = describe_clusters(position[order], normal[order], np.full(n, 0.1, np.float32))
     assert all(np.isfinite(field).all() for field in clusters)
 
 
@@ -110,9 +110,9 @@ def test_clusters_say_what_they_hold() -> None:
     position, normal = box_points(256)
     order = order_of(position, normal)
     position, normal = position[order], normal[order]
-    clusters = describe_clusters(position, normal, 0.25)
+    area = np.random.default_rng(9).uniform(0.1, 1, 256).astype(np.float32)
+    clusters = describe_clusters(position, normal, area)
     assert clusters.depth == 4
-    assert clusters.area == 0.25
     assert len(clusters.centre) == level_start(5) == 341
     for level in range(5):
         for j in range(4**level):
@@ -123,10 +123,12 @@ def test_clusters_say_what_they_hold() -> None:
             assert clusters.radius[c] == pytest.approx(extent, abs=1e-6)
             assert np.linalg.norm(clusters.axis[c]) == pytest.approx(1, abs=1e-5)
             assert clusters.spread[c] == pytest.approx((n @ clusters.axis[c]).min(), abs=1e-5)
+            assert clusters.area[c] == pytest.approx(area[run].sum(), rel=1e-5)
+            assert clusters.uneven[c] == pytest.approx(area[run].max() / area[run].mean())
 
 
 def test_opposite_normals_still_have_an_axis() -> None:
     normal = np.float32([[0, 0, 1], [0, 0, -1], [0, 0, 1], [0, 0, -1]])
-    clusters = describe_clusters(np.zeros((4, 3), np.float32), normal, 1.0)
+    clusters = describe_clusters(np.zeros((4, 3), np.float32), normal, np.ones(4, np.float32))
     np.testing.assert_allclose(np.linalg.norm(clusters.axis, axis=1), 1)
     assert clusters.spread[0] == -1

@@ -101,8 +101,8 @@ def test_the_cloud_sees_the_image_at_its_own_size() -> None:
     light = made.lights[0].model_copy(update={"image": "chart"})
     found = []
     for count in (256, 4096):
-        cloud = build_cloud(made, view.points(1), count, 20.0, 1)
-        assert cloud.points.size[0] == pytest.approx(np.sqrt(cloud.area), rel=1e-6)
+        cloud = build_cloud(made, view.points(1), count, 20.0, "uniform", 1)
+        assert cloud.points.size[0] == pytest.approx(np.sqrt(cloud.area[0]), rel=1e-6)
         point = light_on_points(made.rays, cloud.points, light)
         sharp = cloud.points.take(slice(None))
         sharp.size[:] = 0

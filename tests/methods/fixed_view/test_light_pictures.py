@@ -7,8 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from engine.light.point import PointLight
-from engine.methods.fixed_view import direct
-from engine.methods.fixed_view.direct import LightPictures
+from engine.methods.fixed_view import light_pictures
+from engine.methods.fixed_view.light_pictures import LightPictures
 
 PIXELS = 100
 PICTURE = PIXELS * 3 * 4  # bytes
@@ -60,7 +60,7 @@ def test_lights_that_are_off_add_nothing() -> None:
 @pytest.mark.parametrize("room", [1, 7])
 def test_more_lights_than_there_is_room_for(room: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Their sum is remembered: a light that moves costs itself, and where it was at most."""
-    monkeypatch.setattr(direct, "KEPT_BYTES", room * PICTURE)
+    monkeypatch.setattr(light_pictures, "KEPT_BYTES", room * PICTURE)
     total, on = Counted(), lights(20)
     for _ in range(3):
         assert total(on)[0, 0] == sum(range(1, 21))
@@ -77,8 +77,8 @@ def test_more_lights_than_there_is_room_for(room: int, monkeypatch: pytest.Monke
 
 def test_a_light_taken_from_a_sum_leaves_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever came and went, the sum is what it would be afresh, to the last bit."""
-    monkeypatch.setattr(direct, "KEPT_BYTES", PICTURE)
-    monkeypatch.setattr(direct, "FEW", 4)
+    monkeypatch.setattr(light_pictures, "KEPT_BYTES", PICTURE)
+    monkeypatch.setattr(light_pictures, "FEW", 4)
     rng = np.random.default_rng(1)
 
     def compute(light: PointLight) -> NDArray[np.float32]:
@@ -96,7 +96,7 @@ def test_a_light_taken_from_a_sum_leaves_no_trace(monkeypatch: pytest.MonkeyPatc
 
 
 def test_what_is_not_wanted_makes_room(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(direct, "KEPT_BYTES", 3 * PICTURE)
+    monkeypatch.setattr(light_pictures, "KEPT_BYTES", 3 * PICTURE)
     total, on = Counted(), lights(3)
     for x in range(10):
         total((on[0], on[1], moved(on[2], x)))
