@@ -28,7 +28,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.methods.fixed_view.ray_noise import make_landed, ray_noise
+from engine.methods.fixed_view.ray_noise import (
+    cluster_of,
+    forget_noise,
+    make_landed,
+    ray_noise,
+)
 from engine.methods.fixed_view.rows import PackedRows, Rows, make_scratch, project
 from engine.numerics import haar
 from engine.numerics.borrow import borrow
@@ -54,7 +59,6 @@ class Packer:
         self._chance = chance
         self._depth = haar.levels(len(importance))
         self._scratch, self._landed = make_scratch(len(importance)), make_landed(len(importance))
-        self._noise = np.zeros(len(importance), np.float32)
         self._ids, self._values = np.zeros(1 << 19, np.int32), np.zeros(1 << 19, np.float32)
         self._starts = np.zeros(TILE + 1, np.int64)
         most = LONGEST * coefficients
@@ -71,13 +75,14 @@ class Packer:
             room = 2 * len(self._ids)
             self._ids, self._values = np.zeros(room, np.int32), np.zeros(room, np.float32)
         count = max(1, int(wanted.sum()))
-        ray_noise(*rows, count, self._chance, self._depth, self._landed, self._noise)
+        ray_noise(*rows, count, self._chance, self._depth, self._landed)
         length = np.zeros((1, len(STEPS)), np.int32)
         n, size, kept = pack(
-            self._ids, self._values, self._starts, wanted, self._importance, self._noise,
+            self._ids, self._values, self._starts, wanted, self._importance, self._landed.variance,
             self._coefficients, self._scratch, length[0], self._wavelets, self._mean, self._scale,
             self._steps,
         )  # fmt: skip
+        forget_noise(rows.cluster, rows.first[-1], self._landed)
         ids, mean, scale = self._wavelets[:n], self._mean[:n], self._scale[: length[0, :-1].sum()]
         steps = self._steps[:size].copy()
         self._tiles.append(PackedRows(length, ids.copy(), mean.copy(), scale.copy(), steps))
@@ -97,8 +102,8 @@ def pack(
 
     ids, values, starts as from `rows.project`, for 64 rows; wanted (64,) bool, whether a row stands
     for a point; importance (n_g,) float32 weighs the coefficients of one wavelet against those of
-    others, noise (n_g,) float32 is their variance by chance. out_length (4,), out_ids, out_mean,
-    out_scale (k,), out_steps (64 k,) get the tile as in
+    others, noise (c,) is the variance by chance of those of every cluster. out_length (4,),
+    out_ids, out_mean, out_scale (k,), out_steps (64 k,) get the tile as in
     `PackedRows`, with k wavelets at most. Returns the number of wavelets, the number of steps, and
     the share of the weighted energy that they keep.
     """
@@ -133,7 +138,7 @@ def pack(
     weight, chance = np.zeros((2, len(candidates)))
     for c in range(len(candidates)):
         weight[c] = importance[mine[candidates[c]]] ** 2
-        chance[c] = noise[mine[candidates[c]]]
+        chance[c] = noise[cluster_of(mine[candidates[c]])]
     width, kept = _choose_widths(table, weight, chance, price, rest)
     count = size = 0
     for k in range(len(STEPS)):

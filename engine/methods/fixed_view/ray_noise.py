@@ -26,39 +26,33 @@ STRATIFIED = 0.4
 
 
 class Landed(NamedTuple):
-    """Sums of one thread over the rays of a row, all zero between rows.
+    """Working memory of one thread, all zero between tiles.
 
-    weight, square  (c,) float64  of every cluster
+    weight, square  (c,) float64  sums over the rays of a row, of every cluster
+    variance        (c,) float64  of the coefficients of its three wavelets
     """
 
     weight: NDArray[np.float64]
     square: NDArray[np.float64]
+    variance: NDArray[np.float64]
 
 
 def make_landed(samples: int) -> Landed:
     """For a cloud of so many samples."""
-    return Landed(*np.zeros((2, (4 * samples - 1) // 3)))
+    return Landed(*np.zeros((3, (4 * samples - 1) // 3)))
 
 
 @njit(cache=True, nogil=True)
-def ray_noise(first, cluster, weight, count, chance, depth, landed, noise):
-    """Variance of the coefficients of wavelets, in the mean over `count` rows.
+def ray_noise(first, cluster, weight, count, chance, depth, landed):
+    """Fill landed.variance, in the mean over `count` rows.
 
-    first, cluster, weight are `Rows`. chance is 1 for rays of a lattice, or STRATIFIED. Fills the
-    places in noise (4^depth,) of wavelets that rays touch, and leaves the others as they are.
+    first, cluster, weight are `Rows`; chance is 1 for rays of a lattice, or STRATIFIED.
     """
     landed = borrow(landed)
-    for p in range(first[0], first[first.shape[0] - 1]):
-        c, level = _above(cluster[p])
-        while True:
-            _set(noise, c, level, 0.0)
-            if c == 0:
-                break
-            c, level = (c - 1) // 4, level - 1
     for b in range(first.shape[0] - 1):
         for p in range(first[b], first[b + 1]):
             w = float(weight[p]) * (1 << (2 * (depth - level_of(cluster[p]))))
-            c, level = _above(cluster[p])
+            c = _above(cluster[p])
             while w != 0.0:
                 landed.weight[c] += w
                 landed.square[c] += w * w
@@ -66,38 +60,39 @@ def ray_noise(first, cluster, weight, count, chance, depth, landed, noise):
                     break
                 c = (c - 1) // 4
         for p in range(first[b], first[b + 1]):
-            c, level = _above(cluster[p])
+            c = _above(cluster[p])
             # What has been cleared has been reckoned, and all above it.
             while landed.square[c] > 0.0:
                 square, rays = landed.square[c], landed.weight[c] ** 2 / landed.square[c]
-                variance = chance * square * min(1.0, rays**-0.5) / (1 << (2 * (depth - level)))
-                _set(noise, c, level, noise[_wavelet(c, level)] + variance / count)
+                height = 1.0 / (1 << (2 * (depth - level_of(c))))
+                landed.variance[c] += chance * square * height * min(1.0, rays**-0.5) / count
                 landed.weight[c] = landed.square[c] = 0.0
                 if c == 0:
                     break
-                c, level = (c - 1) // 4, level - 1
+                c = (c - 1) // 4
+
+
+@njit(cache=True, nogil=True)
+def forget_noise(cluster, rays, landed):
+    """Clear landed.variance of the first so many rays."""
+    variance = borrow(landed).variance
+    for p in range(rays):
+        c = _above(cluster[p])
+        while variance[c] > 0.0:
+            variance[c] = 0.0
+            c = _above(c)
 
 
 @njit
-def _above(cluster):
-    """(cluster, level) of the parent: within a cluster its weight is even, and no wavelet gets any.
-
-    The root stands for its own.
-    """
-    c = max(0, (cluster - 1) // 4)
-    return c, level_of(c)
+def _above(c):
+    """The parent, or the root: within a cluster its weight is even, and no wavelet gets any."""
+    return max(0, (c - 1) // 4)
 
 
 @njit
-def _wavelet(c, level):
-    """The first of a cluster's three wavelets."""
-    return (1 << (2 * level)) + 3 * (c - level_start(level))
-
-
-@njit
-def _set(noise, c, level, variance):
-    """Of a cluster's wavelets; the root has the scaling function too."""
-    k = _wavelet(c, level)
-    noise[k : k + 3] = variance
-    if c == 0:
-        noise[0] = variance
+def cluster_of(wavelet):
+    """Whose wavelet it is; of the scaling function, the root."""
+    level = 0
+    while 1 << (2 * (level + 1)) <= wavelet:
+        level += 1
+    return level_start(level) + max(0, wavelet - (1 << (2 * level))) // 3

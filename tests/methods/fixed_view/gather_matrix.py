@@ -95,7 +95,7 @@ def packed(
 ):  # fmt: skip
     """(PackedRows of one tile, share of energy kept)."""
     importance = np.ones(n, np.float32) if importance is None else importance
-    noise = np.full(n, noise, np.float32)
+    noise = np.full((4 * n - 1) // 3, noise)
     wanted = np.ones(TILE, np.bool_) if wanted is None else wanted
     most = min(8 * coefficients, 4 * n)
     wavelets, (mean, scale) = np.zeros(most, np.int32), np.zeros((2, most), np.float32)

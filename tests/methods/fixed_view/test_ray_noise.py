@@ -9,7 +9,12 @@ from engine.light.environment_samples import DEPTH
 from engine.methods.fixed_view.gather import cosine_lobes
 from engine.methods.fixed_view.gather_rays import aim, escape
 from engine.methods.fixed_view.hierarchy import level_start
-from engine.methods.fixed_view.ray_noise import make_landed, ray_noise
+from engine.methods.fixed_view.ray_noise import (
+    cluster_of,
+    forget_noise,
+    make_landed,
+    ray_noise,
+)
 from engine.methods.fixed_view.rows import Rows, make_scratch, project
 from engine.numerics.haar import forward
 from engine.numerics.packed import TILE
@@ -19,11 +24,13 @@ SMALL = 3  # levels of a tree of 64 samples
 
 def reckoned(rows: Rows, depth: int, count: int = TILE, chance: float = 1.0) -> np.ndarray:
     """(4^depth,) float64: noise of every wavelet, 0 where no ray lands."""
-    noise, landed = np.zeros(4**depth, np.float32), make_landed(4**depth)
-    ray_noise(*rows, count, chance, depth, landed, noise)
-    assert not landed.weight.any()
-    assert not landed.square.any()
-    return noise.astype(float)
+    landed = make_landed(4**depth)
+    ray_noise(*rows, count, chance, depth, landed)
+    found = landed.variance[[cluster_of(k) for k in range(4**depth)]]
+    forget_noise(rows.cluster, rows.first[-1], landed)
+    for array in landed:
+        assert not array.any()
+    return found
 
 
 def coefficients(rows: Rows, depth: int) -> np.ndarray:
