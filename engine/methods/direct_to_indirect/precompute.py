@@ -27,7 +27,7 @@ from engine.methods.fixed_view.view import View, gloss_of
 from engine.scene.scene import Scene
 from engine.store import Store
 
-VERSION = 12  # of the stored arrays and of what they mean
+VERSION = 13  # of the stored arrays and of what they mean
 
 # Settings that the matrices do not depend on.
 AT_RUN_TIME = ("bounces",)
