@@ -10,7 +10,7 @@ from engine.brdf.base import GRAIN
 from engine.numerics.frames import tangents
 from engine.numerics.vec import add, cross, dot, normalize, scale, sub, vec
 from engine.scene.description import TEXTURE_SLOTS
-from engine.scene.tangents import grain
+from engine.scene.tangents import along_coordinates, grain
 
 NORMAL_MAP = TEXTURE_SLOTS.index("normal")
 
@@ -56,14 +56,9 @@ def _bent(geometry, materials, triangle, b1, b2, n):
     Where the texture coordinates are degenerate n stays as it is.
     """
     a, b, c = geometry.triangles[triangle]
-    origin = vec(geometry.positions, a)
-    e1 = sub(vec(geometry.positions, b), origin)
-    e2 = sub(vec(geometry.positions, c), origin)
-    u1, v1 = geometry.uvs[b, 0] - geometry.uvs[a, 0], geometry.uvs[b, 1] - geometry.uvs[a, 1]
-    u2, v2 = geometry.uvs[c, 0] - geometry.uvs[a, 0], geometry.uvs[c, 1] - geometry.uvs[a, 1]
-    side = 1.0 if u1 * v2 - u2 * v1 > 0.0 else -1.0
-    along_u = scale(sub(scale(e1, v2), scale(e2, v1)), side)
-    along_v = scale(sub(scale(e2, u1), scale(e1, u2)), side)
+    _, _, along_u, along_v, area = along_coordinates(geometry.positions, geometry.uvs, a, b, c)
+    side = 1.0 if area > 0.0 else -1.0
+    along_u, along_v = scale(along_u, side), scale(along_v, side)
     s = normalize(sub(along_u, scale(n, dot(n, along_u))))
     t = cross(n, s)
     if dot(t, along_v) < 0.0:

@@ -34,17 +34,28 @@ def vertex_tangents(
     return out
 
 
+@njit
+def along_coordinates(positions, uvs, a, b, c):
+    """(e1, e2, ∂x/∂u, ∂x/∂v, area) of the triangle a, b, c: its edges from a, the derivatives times
+    `area`, and twice its signed area in texture coordinates.
+    """
+    origin = vec(positions, a)
+    e1, e2 = sub(vec(positions, b), origin), sub(vec(positions, c), origin)
+    u1, v1 = float(uvs[b, 0] - uvs[a, 0]), float(uvs[b, 1] - uvs[a, 1])
+    u2, v2 = float(uvs[c, 0] - uvs[a, 0]), float(uvs[c, 1] - uvs[a, 1])
+    along_u = sub(scale(e1, v2), scale(e2, v1))
+    along_v = sub(scale(e2, u1), scale(e1, u2))
+    return e1, e2, along_u, along_v, u1 * v2 - u2 * v1
+
+
 @njit(cache=True, nogil=True)
 def _accumulate(positions, triangles, uvs, sums):
     """Add ∂x/∂u of every triangle, as long as the triangle is large, to its three vertices."""
     for k in range(triangles.shape[0]):
         a, b, c = triangles[k]
-        origin = vec(positions, a)
-        e1, e2 = sub(vec(positions, b), origin), sub(vec(positions, c), origin)
+        e1, e2, along, _, area = along_coordinates(positions, uvs, a, b, c)
         u1, v1 = float(uvs[b, 0] - uvs[a, 0]), float(uvs[b, 1] - uvs[a, 1])
         u2, v2 = float(uvs[c, 0] - uvs[a, 0]), float(uvs[c, 1] - uvs[a, 1])
-        area = u1 * v2 - u2 * v1
-        along = sub(scale(e1, v2), scale(e2, v1))
         size = math.sqrt(dot(along, along))
         if abs(area) <= 1e-7 * (u1 * u1 + v1 * v1 + u2 * u2 + v2 * v2) or size == 0.0:
             continue

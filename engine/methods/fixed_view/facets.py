@@ -14,6 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.methods.fixed_view.sides import triangle_areas
+from engine.numerics.boxes import widest
 from engine.numerics.sampling import uniform
 from engine.scene.scene import Scene
 
@@ -138,13 +139,7 @@ def _split_and_sample(items, centre, weight, seed, picked, place):
             continue
 
         # Sort along the longest axis of the box around the centres.
-        axis, best = 0, -1.0
-        for k in range(3):
-            low = high = centre[run[0], k]
-            for i in run:
-                low, high = min(low, centre[i, k]), max(high, centre[i, k])
-            if high - low > best:
-                axis, best = k, high - low
+        axis = widest(centre, run)
         key = np.zeros(len(run))
         for j in range(len(run)):
             key[j] = centre[run[j], axis]

@@ -16,6 +16,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from engine.numerics.boxes import widest
 from engine.numerics.haar import levels
 from engine.numerics.parallel import for_ranges
 
@@ -73,15 +74,9 @@ def _split_runs(start, stop, features, order, size):
     for run in range(start, stop):
         members = order[run * size : (run + 1) * size]
         # Start from halves along the feature that varies most.
-        widest, best = 0, -1.0
-        for f in range(6):
-            low = high = features[members[0], f]
-            for i in members:
-                low, high = min(low, features[i, f]), max(high, features[i, f])
-            if high - low > best:
-                widest, best = f, high - low
+        feature = widest(features, members)
         for i in range(size):
-            key[i] = features[members[i], widest]
+            key[i] = features[members[i], feature]
         members[:] = members[np.argsort(key, kind="mergesort")]
         for _ in range(ITERATIONS):
             c1[:], c2[:] = 0.0, 0.0
