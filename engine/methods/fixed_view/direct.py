@@ -133,7 +133,9 @@ def _soft_light(
     penumbra = (near == HIDDEN | VISIBLE) & points.matt
     spread = seen_around(penumbra.view(np.uint8), width, WIDE - 1) > 0
     pixel = np.flatnonzero((spread | (near == VISIBLE)) & points.matt).astype(np.int32)
-    part = _part_seen(rays, points, alike, width, light, per_penumbra, seen, penumbra, spread)
+    part = _part_seen(
+        rays, points, alike, width, light, table, per_penumbra, seen, penumbra, spread
+    )
     out[pixel] = _unshadowed(points, light, table, pixel) * part[pixel, None]
 
     # Glossy ones: samples.
@@ -151,6 +153,7 @@ def _part_seen(
     alike: NDArray[np.uint8],
     width: int,
     light: Light,
+    table: LightTable,
     per_penumbra: int,
     seen: NDArray[np.float32],
     penumbra: NDArray[np.bool_],
@@ -162,7 +165,6 @@ def _part_seen(
     enough where it is wide, averaged over the pixels around, which it is spread to. Where it is
     narrow there are `per_penumbra`, averaged over fewer pixels.
     """
-    table = light_table([light])
     part = np.ones(len(points), np.float32)
     pixel = np.flatnonzero(penumbra).astype(np.int32)
     seen[pixel], _ = _look(

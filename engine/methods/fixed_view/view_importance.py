@@ -26,6 +26,7 @@ from engine.methods.fixed_view.sides import (
     triangle_normals,
 )
 from engine.methods.fixed_view.surface_points import describe, equivalent_albedo
+from engine.numerics.boxes import widest
 from engine.numerics.parallel import for_ranges
 from engine.scene.scene import Scene
 
@@ -99,14 +100,8 @@ def _densities(order, features, area, count, weight, density):
         cut = 0
         if last - first > 1 and particles >= 2 * ENOUGH:
             # Sort along the feature that varies most, and cut where half of the particles lie.
-            widest, best = 0, -1.0
-            for k in range(features.shape[1]):
-                low = high = features[run[0], k]
-                for i in run:
-                    low, high = min(low, features[i, k]), max(high, features[i, k])
-                if high - low > best:
-                    widest, best = k, high - low
-            run[:] = run[np.argsort(features[run, widest], kind="mergesort")]
+            feature = widest(features, run)
+            run[:] = run[np.argsort(features[run, feature], kind="mergesort")]
             before = 0.0
             while before + count[run[cut]] < 0.5 * particles:
                 before += count[run[cut]]
