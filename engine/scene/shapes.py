@@ -17,14 +17,19 @@ from engine.numerics.description import Description, Point
 from engine.scene.part import Part
 
 Size = Annotated[float, Field(gt=0, le=1e6)]
+Segments = Annotated[int, Field(ge=1, le=2048)]
 Polygon = Annotated[list[Point], Field(min_length=3, max_length=64)]
 
 
 class Rectangle(Description):
-    """In the x-y plane around the origin, facing +z; corners of the texture at its corners."""
+    """In the x-y plane around the origin, facing +z; corners of the texture at its corners.
+
+    `segments` cuts it along x and y, for methods that store light at vertices.
+    """
 
     shape: Literal["rectangle"]
     size: tuple[Size, Size] = (1.0, 1.0)
+    segments: tuple[Segments, Segments] = (1, 1)
 
 
 class Box(Description):
@@ -110,15 +115,17 @@ def _area_vector(corners: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _rectangle(shape: Rectangle) -> Part:
-    uv = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
-    positions = np.zeros((4, 3))
+    columns, rows = shape.segments
+    v, u = np.mgrid[0 : rows + 1, 0 : columns + 1].reshape(2, -1) / np.array([[rows], [columns]])
+    uv = np.stack([u, v], axis=1)
+    positions = np.zeros((len(uv), 3))
     positions[:, :2] = (uv - 0.5) * shape.size
-    return Part(positions, np.array([[0, 1, 2], [0, 2, 3]]), np.tile([0.0, 0, 1], (4, 1)), uv)
+    normals = np.tile([0.0, 0, 1], (len(uv), 1))
+    return Part(positions, _grid_triangles(rows, columns), normals, uv)
 
 
 def _box(shape: Box) -> Part:
     front = _rectangle(Rectangle(shape="rectangle"))
-    uvs = np.tile(np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float), (6, 1))
     # The axes (right, up, outward) of the six faces, seen from outside.
     faces = np.array(
         [
@@ -134,7 +141,7 @@ def _box(shape: Box) -> Part:
     outward = front.positions + np.array([0, 0, 0.5])
     positions = np.concatenate([outward @ face for face in faces]) * shape.size
     triangles = np.concatenate([front.triangles + 4 * k for k in range(6)])
-    return Part(positions, triangles, np.repeat(faces[:, 2], 4, axis=0), uvs)
+    return Part(positions, triangles, np.repeat(faces[:, 2], 4, axis=0), np.tile(front.uvs, (6, 1)))
 
 
 def _grid_triangles(rows: int, columns: int) -> NDArray[np.int64]:

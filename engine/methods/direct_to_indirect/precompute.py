@@ -6,20 +6,21 @@ import hashlib
 from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engine.methods.base import Progress
+from engine.methods.chunks import run_chunks
 from engine.methods.direct_to_indirect.environment import EnvironmentRows
 from engine.methods.direct_to_indirect.product import NAME, Transfer
 from engine.methods.direct_to_indirect.reflected import glossy_pixels
 from engine.methods.direct_to_indirect.settings import Settings
-from engine.methods.fixed_view.chunks import run_chunks
 from engine.methods.fixed_view.cloud import GatherCloud, build_cloud, cloud_arrays, cloud_from
 from engine.methods.fixed_view.frame_buffer import Points
-from engine.methods.fixed_view.gather import ENVIRONMENT, Job, Lobes, cosine_lobes
+from engine.methods.fixed_view.gather import ENVIRONMENT, Job, Lobes, cosine_lobes, gather_chunk
 from engine.methods.fixed_view.importance import wavelet_importance
 from engine.methods.fixed_view.rows import PackedRows, no_rows
 from engine.methods.fixed_view.tiles import pixel_tiles, run_tiles
@@ -76,7 +77,7 @@ def precompute(
         if importance is None:
             importance = wavelet_importance(scene, cloud, settings.seed)
         job = _job(name, settings, view, cloud, tiles, importance)
-        made = run_chunks(job, name, parts, executor, progress)
+        made = run_chunks(partial(gather_chunk, job), job.chunks, name, parts, executor, progress)
         meta = {
             "settings": asdict(settings),
             "rays": int(made["rays"].sum()),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from typing import Any
 
@@ -9,43 +10,49 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.methods.base import Progress
-from engine.methods.fixed_view.gather import Job, gather_chunk
 from engine.store import Entry
 
 IN_FLIGHT = 8
 
 
+Arrays = dict[str, NDArray[Any]]
+
+
 def run_chunks(
-    job: Job, phase: str, entry: Entry, executor: Executor, progress: Progress
-) -> dict[str, NDArray[Any]]:
-    """The arrays of all chunks, joined along their first axis in order.
+    work: Callable[[int], Arrays],
+    chunks: int,
+    phase: str,
+    entry: Entry,
+    executor: Executor,
+    progress: Progress,
+) -> Arrays:
+    """The arrays of work(0), work(1), ... work(chunks - 1), joined along their first axis in order.
 
     Raises whatever `progress` or a chunk raises, after asking what still waits not to start; the
     chunks that have finished by then stay in `entry`.
     """
-    parts: dict[int, dict[str, NDArray[Any]]] = {}
-    for chunk in range(job.chunks):
+    parts: dict[int, Arrays] = {}
+    for chunk in range(chunks):
         stored = entry.read(f"{phase}-{chunk}")
         if stored is not None:
             parts[chunk] = stored.arrays
-    missing = [chunk for chunk in range(job.chunks) if chunk not in parts]
-    progress(phase, len(parts), job.chunks)
-    running: dict[Future[dict[str, NDArray[Any]]], int] = {}
+    missing = [chunk for chunk in range(chunks) if chunk not in parts]
+    progress(phase, len(parts), chunks)
+    running: dict[Future[Arrays], int] = {}
     try:
         while missing or running:
             while missing and len(running) < IN_FLIGHT:
                 chunk = missing.pop(0)
-                running[executor.submit(gather_chunk, job, chunk)] = chunk
+                running[executor.submit(work, chunk)] = chunk
             done, _ = wait(running, timeout=0.2, return_when=FIRST_COMPLETED)
             for future in done:
                 chunk = running.pop(future)
                 parts[chunk] = future.result()
                 entry.write(f"{phase}-{chunk}", parts[chunk], {})
-            progress(phase, len(parts), job.chunks)
+            progress(phase, len(parts), chunks)
     finally:
         for future in running:
             future.cancel()
     return {
-        name: np.concatenate([parts[chunk][name] for chunk in range(job.chunks)])
-        for name in parts[0]
+        name: np.concatenate([parts[chunk][name] for chunk in range(chunks)]) for name in parts[0]
     }

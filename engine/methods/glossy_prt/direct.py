@@ -1,0 +1,129 @@
+"""Direct transport vectors: `glossy_prt` §3.1, §4.1 (Wang, Tran, Luebke 2006).
+
+Of vertex x and term k (eq. 3), over the texels ω of a cube map,
+
+    T_k(x, ω) = g_k(ω) V(x, ω) ∫ n·ω dω
+
+with the visible part of the texel V and the exact integral of the cosine over it. All texels of an
+open vertex together are made to sum to π, so that white light gives what it ought to.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from engine.methods.glossy_prt.terms import Terms
+from engine.methods.glossy_prt.vertices import Vertices, frame
+from engine.methods.glossy_prt.visibility import open_parts
+from engine.numerics import cube_map
+from engine.numerics.frames import to_local
+from engine.numerics.hemisphere_maps import disk_taps
+from engine.numerics.vec import dot, vec
+from engine.numerics.wavelet_vectors import keep_largest, to_haar
+from engine.scene.rays import RayTracer
+
+CHUNK = 128  # vertices
+
+
+class Job(NamedTuple):
+    """Direct transport of some vertices of one material."""
+
+    rays: RayTracer
+    vertices: Vertices
+    first: int
+    count: int
+    terms: Terms
+    light_texels: int
+    visibility_texels: int
+    coarse_texels: int
+    coefficients: int
+
+    @property
+    def chunks(self) -> int:
+        """How many pieces the work has."""
+        return -(-self.count // CHUNK)
+
+
+def direct_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
+    """The vectors of a chunk's vertices, term by term: `WaveletVectors`, and how many rays."""
+    first = job.first + chunk * CHUNK
+    s = slice(first, min(first + CHUNK, job.first + job.count))
+    v, n = job.vertices, job.light_texels
+    opened, rays = open_parts(
+        job.rays, v.position[s], v.normal[s],
+        light=n, fine=job.visibility_texels, coarse=job.coarse_texels,
+    )  # fmt: skip
+    size, terms, channels = job.terms.light.shape[0], job.terms.count, job.terms.channels
+    rows, most = len(opened) * terms, job.coefficients
+    length = np.zeros(rows, np.int32)
+    base = np.zeros((rows, cube_map.FACES, channels), np.float32)
+    scale = np.zeros((rows, channels), np.float32)
+    place = np.zeros((rows, most), np.uint16)
+    steps = np.zeros((rows, most, channels), np.int8)
+    _project(
+        v.normal[s], v.tangent[s], opened, (job.visibility_texels // n) ** 2,
+        cube_map.directions(n), cube_map.vector_areas(n),
+        job.terms.light.reshape(size * size, terms, channels), size,
+        most, length, base, scale, place, steps,
+    )  # fmt: skip
+    kept = np.arange(most) < length[:, None]
+    return {
+        "length": length,
+        "base": base,
+        "scale": scale,
+        "place": place[kept],
+        "steps": steps[kept],
+        "rays": np.array([rays]),
+    }
+
+
+@njit(cache=True, nogil=True)
+def _project(
+    normal, tangent, opened, parts, directions, areas, light, size,
+    most, length, base, scale, place, steps,
+):  # fmt: skip
+    terms, channels = light.shape[1], light.shape[2]
+    values = np.zeros((terms, opened.shape[1], channels), np.float32)
+    for i in range(opened.shape[0]):
+        values[:] = 0.0
+        _sample(normal, tangent, i, opened, parts, directions, areas, light, size, values)
+        for k in range(terms):
+            row = i * terms + k
+            to_haar(values[k])
+            length[row] = keep_largest(
+                values[k], most, base[row], scale[row], place[row], steps[row]
+            )
+
+
+@njit(nogil=True)
+def _sample(normal, tangent, i, opened, parts, directions, areas, light, size, values):
+    """Fill values (K, 6 n², c) with the transport of vertex i."""
+    s, t, n = frame(normal, tangent, i)
+    whole = 0.0
+    for j in range(opened.shape[1]):
+        whole += max(0.0, dot(n, vec(areas, j)))
+    if whole == 0.0:  # no normal
+        return
+    unit = np.pi / (whole * parts)
+    for j in range(opened.shape[1]):
+        if opened[i, j] == 0:
+            continue
+        cosine = dot(n, vec(areas, j))
+        if cosine <= 0.0:
+            continue
+        weight = unit * opened[i, j] * cosine
+        taps, (fx, fy) = disk_taps(to_local(vec(directions, j), s, t, n), size)
+        a, b = weight * (1.0 - fx) * (1.0 - fy), weight * fx * (1.0 - fy)
+        c, d = weight * (1.0 - fx) * fy, weight * fx * fy
+        for k in range(values.shape[0]):
+            for q in range(values.shape[2]):
+                values[k, j, q] = (
+                    a * light[taps[0], k, q]
+                    + b * light[taps[1], k, q]
+                    + c * light[taps[2], k, q]
+                    + d * light[taps[3], k, q]
+                )

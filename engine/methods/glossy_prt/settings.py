@@ -1,0 +1,52 @@
+"""Settings of `glossy_prt`; the defaults are the paper's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from engine.errors import InputError
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a precompute is made with. Raises InputError for a value out of range."""
+
+    terms: int = 4
+    """K, terms of a glossy material's BRDF: 1 to 64 (§3.3.1). A matt one has one."""
+
+    coefficients: int = 128
+    """N_l, wavelets that a transport vector keeps: 6 to 4096 (§4.1.1)."""
+
+    light_texels: int = 64
+    """Texels along a face of the light's cube map: 8, 16, 32, 64 or 128 (§4.1)."""
+
+    visibility_texels: int = 128
+    """The same of the visibility that is averaged down to it: as many, or twice as many (§4.1)."""
+
+    coarse_texels: int = 16
+    """Where visibility starts from: cells of 90 / 16 degrees that agree with the cells around them
+    are not looked at more finely. `visibility_texels` asks for all of them."""
+
+    brdf_texels: int = 48
+    """Texels along a light map and a view map: 8 to 128 (§4)."""
+
+    def __post_init__(self) -> None:
+        for name, low, high in (
+            ("terms", 1, 64),
+            ("coefficients", 6, 4096),
+            ("brdf_texels", 8, 128),
+        ):
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise InputError(f"{value} is not between {low} and {high}", field=name)
+        light, fine, coarse = self.light_texels, self.visibility_texels, self.coarse_texels
+        if light not in (8, 16, 32, 64, 128):
+            raise InputError(f"{light} is none of 8, 16, 32, 64, 128", field="light_texels")
+        if fine not in (light, 2 * light):
+            raise InputError(
+                f"{fine} is neither light_texels nor twice as many", field="visibility_texels"
+            )
+        if not (4 <= coarse <= fine and coarse & (coarse - 1) == 0):
+            raise InputError(
+                f"{coarse} is no power of two from 4 to visibility_texels", field="coarse_texels"
+            )

@@ -1,0 +1,101 @@
+"""Where transport is stored: a vertex of the scene for each material that meets there."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from engine.brdf.base import GRAIN
+from engine.numerics.frames import tangents
+from engine.numerics.vec import cross, dot, normalize, scale, sub, vec
+from engine.scene.scene import Scene
+
+ALIKE = 0.7  # cosine: frames at the corners of a triangle that are turned by less are one field
+
+
+class Vertices(NamedTuple):
+    """Sorted by material, and for each by place, so that neighbours in space are near in memory.
+
+    position  (v, 3) float32   metres
+    normal    (v, 3) float32   unit, for shading
+    tangent   (v, 3) float32   unit, x axis of the local frame; along the grain of a brushed surface
+    material  (v,) int32
+    corners   (t, 3) int32     vertices of the scene's triangles
+    smooth    (t,) bool        whether the frames at the three corners are much the same
+    """
+
+    position: NDArray[np.float32]
+    normal: NDArray[np.float32]
+    tangent: NDArray[np.float32]
+    material: NDArray[np.int32]
+    corners: NDArray[np.int32]
+    smooth: NDArray[np.bool_]
+
+
+def build_vertices(scene: Scene) -> Vertices:
+    """The vertices that triangles use; others have no transport."""
+    geometry = scene.geometry
+    material = np.repeat(geometry.material, 3)
+    used = np.stack([material.astype(np.int64), geometry.triangles.ravel()], axis=1)
+    pairs, corner = np.unique(used, axis=0, return_inverse=True)
+    low, high = geometry.positions.min(axis=0), geometry.positions.max(axis=0)
+    cell = (geometry.positions - low) / max(1e-30, float((high - low).max())) * 1023
+    code = _morton(cell[pairs[:, 1]].astype(np.int64))
+    order = np.lexsort((pairs[:, 1], code, pairs[:, 0]))
+    rank = np.zeros(len(order), np.int64)
+    rank[order] = np.arange(len(order))
+    pairs = pairs[order]
+    corners = rank[corner.ravel()].reshape(-1, 3).astype(np.int32)
+    normal = np.ascontiguousarray(geometry.normals[pairs[:, 1]])
+    brushed = scene.material_table.row[pairs[:, 0], GRAIN:].any(axis=1)
+    given = geometry.tangents[pairs[:, 1]] * brushed[:, None]
+    tangent = np.zeros_like(normal)
+    _frames(normal, given.astype(np.float32), tangent)
+    smooth = np.zeros(len(corners), np.bool_)
+    _compare(corners, tangent, smooth)
+    return Vertices(
+        np.ascontiguousarray(geometry.positions[pairs[:, 1]]),
+        normal,
+        tangent,
+        pairs[:, 0].astype(np.int32),
+        corners,
+        smooth,
+    )
+
+
+def _morton(cell: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Cells (n, 3) below 1024 as numbers in the order of an octree."""
+    code = np.zeros(len(cell), np.int64)
+    for bit in range(10):
+        for axis in range(3):
+            code |= (cell[:, axis] >> bit & 1) << (3 * bit + axis)
+    return code
+
+
+@njit(cache=True, nogil=True)
+def _frames(normal, given, out):
+    """Fill out (v, 3) with the tangents that are given, or the frame's own where they are 0."""
+    for i in range(out.shape[0]):
+        n, t = vec(normal, i), vec(given, i)
+        t = sub(t, scale(n, dot(n, t)))
+        s = normalize(t) if dot(t, t) > 1e-12 else tangents(n)[0]
+        for k in range(3):
+            out[i, k] = s[k]
+
+
+@njit(cache=True, nogil=True)
+def _compare(corners, tangent, out):
+    for t in range(out.shape[0]):
+        a, b, c = corners[t]
+        s = vec(tangent, a)
+        out[t] = dot(s, vec(tangent, b)) > ALIKE and dot(s, vec(tangent, c)) > ALIKE
+
+
+@njit
+def frame(normal, tangent, i):
+    """(s, t, n) of vertex i."""
+    n, s = vec(normal, i), vec(tangent, i)
+    return s, cross(n, s), n
