@@ -2,10 +2,13 @@
 
 `glossy_prt` (Wang, Tran, Luebke 2006) §4.1.1, §4.1.2. Coefficients are orthonormal, so that the
 largest are the best to keep. The six scaling coefficients, one of each face, are always kept, and
-exactly: they are up to a hundred times the others, which have a scale of their own. A coefficient
-that eight bits cannot tell from 0 is left out, so that a plain vector is a short one.
+exactly: they are up to a hundred times the others, which have a scale of their own. Coefficients
+that eight bits cannot tell from 0 are left out, so that a plain vector is a short one.
 
-A place below 24,576 (6 x 64 x 64) fits the paper's block of 256 and offset within it: 16 bits.
+The channels of a vector share their places, as the terms of a vertex have their shadows in common:
+that takes half the bytes of the paper's list for every term, and a light's coefficient is fetched
+once for all of them. A place below 24,576 (6 x 64 x 64) fits the paper's block of 256 and offset
+within it: 16 bits.
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ from numpy.typing import NDArray
 
 from engine.numerics import haar
 from engine.numerics.cube_map import FACES
+from engine.numerics.parallel import for_ranges
 
 STEPS = 127  # the largest coefficient of a vector
 
@@ -55,50 +59,91 @@ def to_haar(texels):
 
 
 @njit
-def keep_largest(values, most, base, scale, place, steps):
-    """Keep at most `most` coefficients of a vector (6 n², c), the scaling ones among them.
+def keep_largest(values, weight, most, base, scale, place, steps):
+    """Keep at most `most` places of a vector (6 n², c), the scaling ones among them.
 
-    Fills base (6, c), scale (c,) and the first entries of place (most,) and steps (most, c);
-    returns how many those are. `values` is used up.
+    weight (c,) float32 tells how much the channels count against each other. Fills base (6, c),
+    scale (c,) and the first entries of place (most,) and steps (most, c); returns how many those
+    are. `values` is used up.
     """
     size, channels = values.shape[0] // FACES, values.shape[1]
     for f in range(FACES):
         for c in range(channels):
             base[f, c] = values[f * size, c]
             values[f * size, c] = 0.0
-    largest = 0.0
-    for c in range(channels):
-        top = 0.0
-        for i in range(values.shape[0]):
-            top = max(top, abs(values[i, c]))
-        scale[c] = top / STEPS
-        largest = max(largest, top)
-    # Candidates, and the square that one must have to be among the largest.
-    floor = (0.5 * largest / STEPS) ** 2
-    count, bar = 0, floor
-    square = np.zeros(values.shape[0], np.float32)
+    scale[:] = 0.0
     for i in range(values.shape[0]):
-        power = np.float32(0)
         for c in range(channels):
-            power += values[i, c] * values[i, c]
-        if power > floor:
-            square[count] = power
+            scale[c] = max(scale[c], abs(values[i, c]))
+    scale /= STEPS
+    # Candidates, and the power that one must have to be among the largest.
+    power, here = np.zeros(values.shape[0], np.float32), np.zeros(values.shape[0], np.int32)
+    count = 0
+    for i in range(values.shape[0]):
+        total, told = np.float32(0), False
+        for c in range(channels):
+            value = values[i, c]
+            told |= abs(value) > 0.5 * scale[c]
+            total += (weight[c] * value) * (weight[c] * value)
+        if told:
+            power[count], here[count] = total, i
             count += 1
     room = most - FACES
+    bar = np.float32(-1)
     if count > room:
-        bar = np.partition(square[:count], count - room)[count - room] if room > 0 else np.inf
+        bar = np.partition(power[:count], count - room)[count - room] if room > 0 else np.inf
     kept = 0
-    for i in range(values.shape[0]):
-        power = np.float32(0)
-        for c in range(channels):
-            power += values[i, c] * values[i, c]
-        if power > floor and power >= bar and kept < room:
-            place[kept] = i
+    for j in range(count):
+        if power[j] >= bar and kept < room:
+            place[kept] = here[j]
             for c in range(channels):
                 step = scale[c]
-                steps[kept, c] = np.int8(round(values[i, c] / step)) if step > 0.0 else 0
+                steps[kept, c] = np.int8(round(values[here[j], c] / step)) if step > 0.0 else 0
             kept += 1
     return kept
+
+
+def added(
+    a: WaveletVectors, b: WaveletVectors, weight: NDArray[np.float32], most: int, n: int
+) -> WaveletVectors:
+    """The sums of vectors of the same channels, on cube maps of n x n texels a face."""
+    rows, channels = a.scale.shape
+    length = np.zeros(rows, np.int32)
+    base, scale = np.zeros_like(a.base), np.zeros_like(a.scale)
+    place = np.zeros((rows, most), np.uint16)
+    steps = np.zeros((rows, most, channels), np.int8)
+    for_ranges(
+        _add_pairs, rows, a.start, *a[1:], b.start, *b[1:], FACES * n * n,
+        weight, most, length, base, scale, place, steps, grain=256,
+    )  # fmt: skip
+    kept = np.arange(most) < length[:, None]
+    return WaveletVectors(length, base, scale, place[kept], steps[kept])
+
+
+@njit(cache=True, nogil=True)
+def _add_pairs(
+    begin, end, a_start, a_base, a_scale, a_place, a_steps,
+    b_start, b_base, b_scale, b_place, b_steps, texels,
+    weight, most, length, base, scale, place, steps,
+):  # fmt: skip
+    values = np.zeros((texels, scale.shape[1]), np.float32)
+    for i in range(begin, end):
+        values[:] = 0.0
+        spread(a_start, a_base, a_scale, a_place, a_steps, i, values)
+        spread(b_start, b_base, b_scale, b_place, b_steps, i, values)
+        length[i] = keep_largest(values, weight, most, base[i], scale[i], place[i], steps[i])
+
+
+@njit
+def spread(start, base, scale, place, steps, i, values):
+    """Add the coefficients of vector i to values (6 n², c)."""
+    size = values.shape[0] // FACES
+    for k in range(start[i], start[i + 1]):
+        for c in range(values.shape[1]):
+            values[place[k], c] += scale[i, c] * np.float32(steps[k, c])
+    for f in range(FACES):
+        for c in range(values.shape[1]):
+            values[f * size, c] += base[i, f, c]
 
 
 def dense(vectors: WaveletVectors, n: int) -> NDArray[np.float32]:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import cache
+from typing import Any
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -17,53 +20,52 @@ def multiply_vectors(
     place: NDArray[np.uint16],
     steps: NDArray[np.int8],
     light: NDArray[np.float32],
+    channels: int,
 ) -> NDArray[np.float32]:
-    """Each vector times the light, (r, 3) float32.
+    """The terms of each vector times the light, (r · K, 3) float32.
 
-    start (r + 1,), base (r, 6, c), scale (r, c), place (q,), steps (q, c) are `WaveletVectors`,
-    grey or in three channels; light (6 n², 3) float32 the Haar coefficients of its faces.
+    start (r + 1,), base (r, 6, c), scale (r, c), place (q,), steps (q, c) are `WaveletVectors` of
+    c = K · channels: the K terms, once if they are grey, else of red, of green, of blue.
+    light (6 n², 3) float32 holds the Haar coefficients of its faces.
     """
-    out = np.zeros((len(scale), 3), np.float32)
+    terms = scale.shape[1] // channels
+    out = np.zeros((len(scale), terms, 3), np.float32)
     size = len(light) // FACES
-    kernel = _grey if scale.shape[1] == 1 else _coloured
-    # Four numbers a coefficient: one load, aligned.
-    wide = np.zeros((len(light), 4), np.float32)
-    wide[:, :3] = light
-    for_ranges(kernel, len(out), start, base, scale, place, steps, wide, size, out, grain=256)
-    return out
+    kernel = _kernel(terms, channels)
+    for_ranges(kernel, len(out), start, base, scale, place, steps, light, size, out, grain=256)
+    return out.reshape(-1, 3)
 
 
-@njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _grey(begin, end, start, base, scale, place, steps, light, size, out):
-    for r in range(begin, end):
-        red = green = blue = np.float32(0)
-        for k in range(start[r], start[r + 1]):
-            p, s = place[k], np.float32(steps[k, 0])
-            red += s * light[p, 0]
-            green += s * light[p, 1]
-            blue += s * light[p, 2]
-        unit = scale[r, 0]
-        red, green, blue = unit * red, unit * green, unit * blue
-        for f in range(FACES):
-            s = base[r, f, 0]
-            red += s * light[f * size, 0]
-            green += s * light[f * size, 1]
-            blue += s * light[f * size, 2]
-        out[r, 0], out[r, 1], out[r, 2] = red, green, blue
+@cache
+def _kernel(terms: int, channels: int) -> Any:
+    """With constant numbers of terms and channels, so that inner loops become vectors."""
+    green_first, blue_first = (0, 0) if channels == 1 else (terms, 2 * terms)
 
+    @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
+    def multiply(begin, end, start, base, scale, place, steps, light, size, out):
+        red, green, blue = np.zeros((3, terms), np.float32)
+        for r in range(begin, end):
+            red[:] = 0
+            green[:] = 0
+            blue[:] = 0
+            for k in range(start[r], start[r + 1]):
+                p = place[k]
+                x, y, z = light[p, 0], light[p, 1], light[p, 2]
+                for j in range(terms):
+                    red[j] += np.float32(steps[k, j]) * x
+                    green[j] += np.float32(steps[k, green_first + j]) * y
+                    blue[j] += np.float32(steps[k, blue_first + j]) * z
+            for j in range(terms):
+                red[j] *= scale[r, j]
+                green[j] *= scale[r, green_first + j]
+                blue[j] *= scale[r, blue_first + j]
+            for f in range(FACES):
+                x, y, z = light[f * size, 0], light[f * size, 1], light[f * size, 2]
+                for j in range(terms):
+                    red[j] += base[r, f, j] * x
+                    green[j] += base[r, f, green_first + j] * y
+                    blue[j] += base[r, f, blue_first + j] * z
+            for j in range(terms):
+                out[r, j, 0], out[r, j, 1], out[r, j, 2] = red[j], green[j], blue[j]
 
-@njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _coloured(begin, end, start, base, scale, place, steps, light, size, out):
-    for r in range(begin, end):
-        red = green = blue = np.float32(0)
-        for k in range(start[r], start[r + 1]):
-            p = place[k]
-            red += np.float32(steps[k, 0]) * light[p, 0]
-            green += np.float32(steps[k, 1]) * light[p, 1]
-            blue += np.float32(steps[k, 2]) * light[p, 2]
-        red, green, blue = scale[r, 0] * red, scale[r, 1] * green, scale[r, 2] * blue
-        for f in range(FACES):
-            red += base[r, f, 0] * light[f * size, 0]
-            green += base[r, f, 1] * light[f * size, 1]
-            blue += base[r, f, 2] * light[f * size, 2]
-        out[r, 0], out[r, 1], out[r, 2] = red, green, blue
+    return multiply

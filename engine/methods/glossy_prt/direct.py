@@ -49,7 +49,7 @@ class Job(NamedTuple):
 
 
 def direct_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
-    """The vectors of a chunk's vertices, term by term: `WaveletVectors`, and how many rays."""
+    """The vectors of a chunk's vertices, as the arrays of `WaveletVectors`, and how many rays."""
     first = job.first + chunk * CHUNK
     s = slice(first, min(first + CHUNK, job.first + job.count))
     v, n = job.vertices, job.light_texels
@@ -57,18 +57,17 @@ def direct_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
         job.rays, v.position[s], v.normal[s],
         light=n, fine=job.visibility_texels, coarse=job.coarse_texels,
     )  # fmt: skip
-    size, terms, channels = job.terms.light.shape[0], job.terms.count, job.terms.channels
-    rows, most = len(opened) * terms, job.coefficients
-    length = np.zeros(rows, np.int32)
-    base = np.zeros((rows, cube_map.FACES, channels), np.float32)
-    scale = np.zeros((rows, channels), np.float32)
-    place = np.zeros((rows, most), np.uint16)
-    steps = np.zeros((rows, most, channels), np.int8)
+    light, most = job.terms.flat, job.coefficients
+    channels, size = light.shape[1], job.terms.light.shape[0]
+    length = np.zeros(len(opened), np.int32)
+    base = np.zeros((len(opened), cube_map.FACES, channels), np.float32)
+    scale = np.zeros((len(opened), channels), np.float32)
+    place = np.zeros((len(opened), most), np.uint16)
+    steps = np.zeros((len(opened), most, channels), np.int8)
     _project(
         v.normal[s], v.tangent[s], opened, (job.visibility_texels // n) ** 2,
-        cube_map.directions(n), cube_map.vector_areas(n),
-        job.terms.light.reshape(size * size, terms, channels), size,
-        most, length, base, scale, place, steps,
+        cube_map.directions(n), cube_map.vector_areas(n), light, size,
+        job.terms.weight_of(job.terms.channels), most, length, base, scale, place, steps,
     )  # fmt: skip
     kept = np.arange(most) < length[:, None]
     return {
@@ -84,24 +83,19 @@ def direct_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
 @njit(cache=True, nogil=True)
 def _project(
     normal, tangent, opened, parts, directions, areas, light, size,
-    most, length, base, scale, place, steps,
+    weight, most, length, base, scale, place, steps,
 ):  # fmt: skip
-    terms, channels = light.shape[1], light.shape[2]
-    values = np.zeros((terms, opened.shape[1], channels), np.float32)
+    values = np.zeros((opened.shape[1], light.shape[1]), np.float32)
     for i in range(opened.shape[0]):
         values[:] = 0.0
         _sample(normal, tangent, i, opened, parts, directions, areas, light, size, values)
-        for k in range(terms):
-            row = i * terms + k
-            to_haar(values[k])
-            length[row] = keep_largest(
-                values[k], most, base[row], scale[row], place[row], steps[row]
-            )
+        to_haar(values)
+        length[i] = keep_largest(values, weight, most, base[i], scale[i], place[i], steps[i])
 
 
 @njit(nogil=True)
 def _sample(normal, tangent, i, opened, parts, directions, areas, light, size, values):
-    """Fill values (K, 6 n², c) with the transport of vertex i."""
+    """Fill values (6 n², c) with the transport of vertex i; channels as in `Terms.flat`."""
     s, t, n = frame(normal, tangent, i)
     whole = 0.0
     for j in range(opened.shape[1]):
@@ -119,11 +113,10 @@ def _sample(normal, tangent, i, opened, parts, directions, areas, light, size, v
         taps, (fx, fy) = disk_taps(to_local(vec(directions, j), s, t, n), size)
         a, b = weight * (1.0 - fx) * (1.0 - fy), weight * fx * (1.0 - fy)
         c, d = weight * (1.0 - fx) * fy, weight * fx * fy
-        for k in range(values.shape[0]):
-            for q in range(values.shape[2]):
-                values[k, j, q] = (
-                    a * light[taps[0], k, q]
-                    + b * light[taps[1], k, q]
-                    + c * light[taps[2], k, q]
-                    + d * light[taps[3], k, q]
-                )
+        for q in range(values.shape[1]):
+            values[j, q] = (
+                a * light[taps[0], q]
+                + b * light[taps[1], q]
+                + c * light[taps[2], q]
+                + d * light[taps[3], q]
+            )

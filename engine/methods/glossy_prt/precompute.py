@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import asdict
 from functools import partial
@@ -13,12 +14,16 @@ from numpy.typing import NDArray
 
 from engine.methods.base import Progress
 from engine.methods.chunks import run_chunks
-from engine.methods.glossy_prt.direct import Job, direct_chunk
+from engine.methods.glossy_prt.direct import Job as DirectJob
+from engine.methods.glossy_prt.direct import direct_chunk
+from engine.methods.glossy_prt.interreflection import Job as BounceJob
+from engine.methods.glossy_prt.interreflection import bounce_chunk, stack
 from engine.methods.glossy_prt.product import NAME, Prt
 from engine.methods.glossy_prt.settings import Settings
 from engine.methods.glossy_prt.terms import Terms, terms_of
-from engine.methods.glossy_prt.vertices import build_vertices
-from engine.numerics.wavelet_vectors import WaveletVectors
+from engine.methods.glossy_prt.vertices import Vertices, build_vertices
+from engine.methods.glossy_prt.views import stack_maps
+from engine.numerics.wavelet_vectors import WaveletVectors, added
 from engine.scene.scene import Scene
 from engine.store import Entry, Store
 
@@ -35,39 +40,130 @@ def precompute(
     vertices = build_vertices(scene)
     progress("vertices", 1, 1)
     terms = _terms(scene, settings, entry, progress)
-    vectors = []
-    for material, its_terms in enumerate(terms):
-        name = f"transport-{material}"
-        found = entry.read(name)
-        if found is None:
-            of_it = np.flatnonzero(vertices.material == material)
-            job = Job(
-                rays=scene.rays,
-                vertices=vertices,
-                first=int(of_it[0]) if len(of_it) else 0,
-                count=len(of_it),
-                terms=its_terms,
-                light_texels=settings.light_texels,
-                visibility_texels=settings.visibility_texels,
-                coarse_texels=settings.coarse_texels,
-                coefficients=settings.coefficients,
-            )
-            made = _run(job, name, parts, executor, progress)
-            entry.write(name, made, {"settings": asdict(settings)})
-        else:
-            made = found.arrays
-        vectors.append(WaveletVectors(*(made[field] for field in WaveletVectors._fields)))
+    run = _Run(scene, settings, vertices, terms, entry, parts, executor, progress)
+    direct, left = run.direct(), 0.0
+    bounced: list[WaveletVectors] | None = None
+    if settings.bounces:
+        bounced, left = run.bounced(direct)
     parts.remove()
-    return Prt(scene, settings, vertices, terms, vectors)
+    return Prt(scene, settings, vertices, terms, direct, bounced, left)
 
 
-def _run(
-    job: Job, name: str, parts: Entry, executor: Executor, progress: Progress
-) -> dict[str, NDArray[Any]]:
-    """The vectors of one material's vertices."""
-    if job.count == 0:
-        return direct_chunk(job, 0)
-    return run_chunks(partial(direct_chunk, job), job.chunks, name, parts, executor, progress)
+class _Run:
+    """One precompute: what all its steps need."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        settings: Settings,
+        vertices: Vertices,
+        terms: list[Terms],
+        entry: Entry,
+        parts: Entry,
+        executor: Executor,
+        progress: Progress,
+    ) -> None:
+        self.scene, self.settings, self.vertices, self.terms = scene, settings, vertices, terms
+        self._entry, self._parts = entry, parts
+        self._executor, self._progress = executor, progress
+        self._count = np.bincount(vertices.material, minlength=len(terms))
+        self._first = np.concatenate([[0], np.cumsum(self._count)])
+
+    def direct(self) -> list[WaveletVectors]:
+        """Direct transport of all materials' vertices."""
+        s = self.settings
+
+        def job(m: int) -> DirectJob:
+            return DirectJob(
+                rays=self.scene.rays,
+                vertices=self.vertices,
+                first=int(self._first[m]),
+                count=int(self._count[m]),
+                terms=self.terms[m],
+                light_texels=s.light_texels,
+                visibility_texels=s.visibility_texels,
+                coarse_texels=s.coarse_texels,
+                coefficients=s.coefficients,
+            )
+
+        return [
+            self._stored(f"direct-{m}", partial(direct_chunk, job(m)), job(m).chunks)
+            for m in range(len(self.terms))
+        ]
+
+    def bounced(self, direct: list[WaveletVectors]) -> tuple[list[WaveletVectors], float]:
+        """(sum of the passes, part of all light that would still follow)."""
+        s, n = self.settings, self.settings.light_texels
+        channels = 1 if all(map(_is_grey, self.terms)) and not _textured(self.terms) else 3
+        last, total, energy = direct, None, [_energy(direct, self.terms, n)]
+        left = 0.0
+        for number in range(1, s.bounces + 1):
+            last = [self._bounce(number, m, last, channels) for m in range(len(self.terms))]
+            energy.append(_energy(last, self.terms, n))
+            if total is None:
+                total = last
+            else:
+                total = [
+                    added(a, b, t.weight_of(channels), s.bounce_coefficients, n)
+                    for a, b, t in zip(total, last, self.terms, strict=True)
+                ]
+            ratio = min(0.99, energy[-1] / max(energy[-2], 1e-30))
+            left = energy[-1] * ratio / (1 - ratio) / max(sum(energy), 1e-30)
+            if left < s.remaining:
+                break
+        assert total is not None
+        return total, left
+
+    def _bounce(
+        self, number: int, m: int, last: list[WaveletVectors], channels: int
+    ) -> WaveletVectors:
+        s = self.settings
+        job = BounceJob(
+            scene=self.scene,
+            vertices=self.vertices,
+            first=int(self._first[m]),
+            count=int(self._count[m]),
+            terms=self.terms[m],
+            maps=stack_maps(self.terms, self._count),
+            sources=stack(last, self.terms),
+            gather_texels=s.gather_texels,
+            light_texels=s.light_texels,
+            coefficients=s.bounce_coefficients,
+            channels=channels,
+        )
+        return self._stored(f"bounce-{number}-{m}", partial(bounce_chunk, job), job.chunks)
+
+    def _stored(
+        self, name: str, work: Callable[[int], dict[str, NDArray[Any]]], chunks: int
+    ) -> WaveletVectors:
+        """The vectors of that name, from the store or from their chunks."""
+        found = self._entry.read(name)
+        if found is not None:
+            made = found.arrays
+        elif chunks == 0:
+            made = work(0)
+        else:
+            made = run_chunks(work, chunks, name, self._parts, self._executor, self._progress)
+        if found is None:
+            self._entry.write(name, made, {"settings": asdict(self.settings)})
+        return WaveletVectors(*(made[field] for field in WaveletVectors._fields))
+
+
+def _is_grey(terms: Terms) -> bool:
+    return terms.channels == 1 and bool((terms.view == terms.view[..., :1]).all())
+
+
+def _textured(terms: list[Terms]) -> bool:
+    return any(t.textured for t in terms)
+
+
+def _energy(vectors: list[WaveletVectors], terms: list[Terms], n: int) -> float:
+    """What all vertices together make of white light: the mean of what their vectors sum to."""
+    return sum(
+        float(np.abs(v.base.sum(axis=1) * t.weight_of(v.scale.shape[1] // t.count)).sum())
+        * n * t.count / v.scale.shape[1]
+        for v, t in zip(vectors, terms, strict=True)
+    )  # fmt: skip
 
 
 def _terms(scene: Scene, settings: Settings, entry: Entry, progress: Progress) -> list[Terms]:

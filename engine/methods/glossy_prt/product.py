@@ -21,13 +21,15 @@ from engine.methods.clock import Clock
 from engine.methods.glossy_prt.settings import Settings
 from engine.methods.glossy_prt.terms import Terms
 from engine.methods.glossy_prt.vertices import Vertices
-from engine.methods.glossy_prt.view import View, look, shade, stack_maps
+from engine.methods.glossy_prt.view import View, look, shade
+from engine.methods.glossy_prt.views import stack_maps
 from engine.numerics.wavelet_vectors import WaveletVectors
 from engine.scene.camera import Camera
 from engine.scene.edits import Edits, edited_camera, edited_environment
 from engine.scene.scene import Scene
 
 NAME = "glossy_prt"
+SAID = 0.02  # of all light: less is not worth a warning
 
 
 class Prt:
@@ -39,21 +41,22 @@ class Prt:
         settings: Settings,
         vertices: Vertices,
         terms: list[Terms],
-        vectors: list[WaveletVectors],
+        direct: list[WaveletVectors],
+        bounced: list[WaveletVectors] | None,
+        left: float,
     ) -> None:
-        """terms and vectors are those of the scene's materials."""
+        """terms, direct and bounced are of the scene's materials; left is the part of all light
+        that passes which were not made would bring.
+        """
         self.scene, self._settings = scene, settings
-        self.vertices, self.terms, self.vectors = vertices, terms, vectors
-        self._starts = [v.start for v in vectors]
-        rows = np.cumsum([0] + [len(v.length) for v in vectors])
-        self._rows = rows
-        counts = np.bincount(vertices.material, minlength=len(terms))
-        firsts = np.concatenate([[0], np.cumsum(counts)])
-        self._maps = stack_maps(terms, list(rows[:-1]), list(firsts[:-1]))
+        self.vertices, self.terms, self.direct, self.bounced = vertices, terms, direct, bounced
+        self._sets = [[(v.start, v) for v in vectors] for vectors in (direct, bounced or ())]
+        self._maps = stack_maps(terms, np.bincount(vertices.material, minlength=len(terms)))
         self._light = CubeLight(settings.light_texels)
         self._lit: tuple[Environment | None, NDArray[np.float32]] | None = None
         self._view: tuple[Camera, int, View] | None = None
-        self._of_scene = tuple(d for d in (_local_lights(scene),) if d is not None)
+        said = (_local_lights(scene), _truncated(left))
+        self._of_scene = tuple(d for d in said if d is not None)
 
     @property
     def method(self) -> str:
@@ -68,7 +71,7 @@ class Prt:
     @property
     def bytes(self) -> int:
         """Bytes of the transport vectors."""
-        return sum(array.nbytes for vectors in self.vectors for array in vectors)
+        return sum(a.nbytes for vectors in self._sets for _, v in vectors for a in v)
 
     def relight(self, edits: Edits, scale: int = 1, backend: Backend | None = None) -> Frame:
         """See `engine.methods.base.Product.relight`."""
@@ -92,11 +95,16 @@ class Prt:
     def lit(self, environment: Environment | None) -> NDArray[np.float32]:
         """(rows, 3) float32: light-dependent vectors of all vertices; the last ones are kept."""
         if self._lit is None or not is_same(self._lit[0], environment):
-            out = np.zeros((self._rows[-1], 3), np.float32)
             light = self._light.coefficients(environment)
-            for row, start, vectors in zip(self._rows, self._starts, self.vectors, strict=False):
-                part = multiply_vectors(start, *vectors[1:], light)
-                out[row : row + len(part)] = part
+            rows = int(
+                sum(len(v.length) * t.count for v, t in zip(self.direct, self.terms, strict=True))
+            )
+            out = np.zeros((rows, 3), np.float32)
+            for vectors in self._sets:
+                for m, (start, v) in enumerate(vectors):
+                    channels = v.scale.shape[1] // self.terms[m].count
+                    part = multiply_vectors(start, *v[1:], light, channels)
+                    out[self._maps.first[m] : self._maps.first[m] + len(part)] += part
             self._lit = environment, out
         return self._lit[1]
 
@@ -113,4 +121,15 @@ def _local_lights(scene: Scene) -> Diagnosis | None:
         "lights_left_out",
         "This method carries light from the environment alone: the scene's lamps are left out. "
         "direct_to_indirect carries them, for a camera that stands still.",
+    )
+
+
+def _truncated(left: float) -> Diagnosis | None:
+    if left < SAID:
+        return None
+    return Diagnosis(
+        "bounces_truncated",
+        f"Light that bounces more often than it was followed would add {100 * left:.0f} % to what "
+        "there is: set bounces higher.",
+        left,
     )

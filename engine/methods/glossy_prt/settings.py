@@ -15,7 +15,8 @@ class Settings:
     """K, terms of a glossy material's BRDF: 1 to 64 (§3.3.1). A matt one has one."""
 
     coefficients: int = 128
-    """N_l, wavelets that a transport vector keeps: 6 to 4096 (§4.1.1)."""
+    """N_l, wavelets that the transport vectors of a vertex keep, the same for all terms: 6 to 4096
+    (§4.1.1)."""
 
     light_texels: int = 64
     """Texels along a face of the light's cube map: 8, 16, 32, 64 or 128 (§4.1)."""
@@ -30,11 +31,26 @@ class Settings:
     brdf_texels: int = 48
     """Texels along a light map and a view map: 8 to 128 (§4)."""
 
+    bounces: int = 1
+    """Most interreflection passes: 0 to 16 (§3.2: one or two are enough for open scenes)."""
+
+    remaining: float = 0.01
+    """No further pass is made once what would follow is less than this part of all light."""
+
+    gather_texels: int = 32
+    """Texels along a face of the cube map that gathers a bounce: 4, 8, 16, 32 or 64 (§4.2)."""
+
+    bounce_coefficients: int = 48
+    """Wavelets that a vector of bounced light keeps, which is smoother: 6 to 4096."""
+
     def __post_init__(self) -> None:
         for name, low, high in (
             ("terms", 1, 64),
             ("coefficients", 6, 4096),
             ("brdf_texels", 8, 128),
+            ("bounces", 0, 16),
+            ("remaining", 0, 1),
+            ("bounce_coefficients", 6, 4096),
         ):
             value = getattr(self, name)
             if not low <= value <= high:
@@ -42,6 +58,10 @@ class Settings:
         light, fine, coarse = self.light_texels, self.visibility_texels, self.coarse_texels
         if light not in (8, 16, 32, 64, 128):
             raise InputError(f"{light} is none of 8, 16, 32, 64, 128", field="light_texels")
+        if self.gather_texels not in (4, 8, 16, 32, 64):
+            raise InputError(
+                f"{self.gather_texels} is none of 4, 8, 16, 32, 64", field="gather_texels"
+            )
         if fine not in (light, 2 * light):
             raise InputError(
                 f"{fine} is neither light_texels nor twice as many", field="visibility_texels"

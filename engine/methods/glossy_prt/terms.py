@@ -45,6 +45,18 @@ class Terms:
         """Of the light maps: 1 or 3."""
         return self.light.shape[3]
 
+    @property
+    def flat(self) -> NDArray[np.float32]:
+        """(n², channels · K): the light maps, all terms of one channel before those of the next."""
+        return np.ascontiguousarray(self.light.swapaxes(2, 3).reshape(len(self.light) ** 2, -1))
+
+    def weight_of(self, channels: int) -> NDArray[np.float32]:
+        """(channels · K,): how much what a term brings in each channel counts in pictures."""
+        strength = np.sqrt((self.view.astype(np.float64) ** 2).mean(axis=(0, 1)))
+        if channels == 1:
+            strength = np.sqrt((strength**2).mean(axis=1, keepdims=True))
+        return strength.T.ravel().astype(np.float32)
+
 
 def terms_of(scene: Scene, terms: int, texels: int) -> list[Terms]:
     """The terms of every material, `terms` of each that is glossy, on maps of texels x texels."""

@@ -8,23 +8,19 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.brdf.base import diffuse_colour
 from engine.light.environment import Environment
 from engine.light.environment_samples import places_on_map, seen_radiance
-from engine.methods.glossy_prt.terms import Terms
-from engine.methods.glossy_prt.vertices import Vertices, frame
+from engine.methods.glossy_prt.vertices import Vertices
+from engine.methods.glossy_prt.views import Maps, corner_views, first_row
 from engine.numerics.borrow import borrow
-from engine.numerics.frames import to_local
-from engine.numerics.hemisphere_maps import disk_taps
 from engine.numerics.parallel import for_ranges
-from engine.numerics.vec import add, cross, dot, mul, normalize, scale, sub, vec
+from engine.numerics.vec import add, dot, mul, scale, sub, vec
 from engine.scene import surface
 from engine.scene.camera import Camera
 from engine.scene.scene import Scene
 
 SUBSAMPLES = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])
 SAME_NORMAL, SAME_DEPTH = 0.9, 0.02
-LOWEST = 0.02  # cosine of a view below which maps are not looked up: beyond their rim is nothing
 
 
 class Seen(NamedTuple):
@@ -54,27 +50,6 @@ class View(NamedTuple):
     centre: Seen
     edge: NDArray[np.int32]
     sub: Seen
-
-
-class Maps(NamedTuple):
-    """View maps and vectors of all materials, for kernels.
-
-    first     (materials,) int64    row of the first vertex's first vector
-    vertex    (materials,) int64    the first vertex
-    terms     (materials,) int32    K
-    size      (materials,) int32    texels along a view map
-    texel     (materials,) int64    its first texel in `h`
-    textured  (materials,) bool     see `Terms`
-    h         (texels, 3) float32   view maps, of every material texel by texel, of every texel term by term
-    """
-
-    first: NDArray[np.int64]
-    vertex: NDArray[np.int64]
-    terms: NDArray[np.int32]
-    size: NDArray[np.int32]
-    texel: NDArray[np.int64]
-    textured: NDArray[np.bool_]
-    h: NDArray[np.float32]
 
 
 def look(scene: Scene, camera: Camera, step: int = 1) -> View:
@@ -130,20 +105,6 @@ def _apart(geometry, seen, eye, i, j):
     return off * off > SAME_DEPTH * SAME_DEPTH * dot(far, far)
 
 
-def stack_maps(terms: list[Terms], firsts: list[int], vertices: list[int]) -> Maps:
-    """`Maps` of the materials' terms; firsts and vertices as there."""
-    views = [t.view.reshape(-1, 3) for t in terms]
-    return Maps(
-        np.array(firsts, np.int64),
-        np.array(vertices, np.int64),
-        np.array([t.count for t in terms], np.int32),
-        np.array([t.view.shape[0] for t in terms], np.int32),
-        np.concatenate([[0], np.cumsum([len(v) for v in views])[:-1]]).astype(np.int64),
-        np.array([t.textured for t in terms]),
-        np.concatenate(views),
-    )
-
-
 def shade(
     scene: Scene,
     vertices: Vertices,
@@ -158,8 +119,8 @@ def shade(
     """
     out = np.zeros((len(seen.triangle), 3), np.float32)
     for_ranges(
-        _shade, len(out), scene.geometry, scene.material_table, vertices, maps, lit, seen, out,
-        grain=2048,
+        _shade, len(out), scene.geometry, scene.material_table, vertices, maps, lit,
+        int(maps.terms.max()), seen, out, grain=2048,
     )  # fmt: skip
     if environment is not None:
         beyond = np.flatnonzero(seen.triangle < 0)
@@ -168,93 +129,22 @@ def shade(
 
 
 @njit(cache=True, nogil=True)
-def _shade(start, stop, geometry, materials, vertices, maps, lit, seen, out):
+def _shade(start, stop, geometry, materials, vertices, maps, lit, most, seen, out):
     geometry, materials, maps = borrow(geometry), borrow(materials), borrow(maps)
     vertices, seen = borrow(vertices), borrow(seen)
-    row = np.zeros(materials.row.shape[1], np.float32)
+    row, h = np.zeros(materials.row.shape[1], np.float32), np.zeros((3, most, 3), np.float32)
     for i in range(start, stop):
         t = seen.triangle[i]
         if t < 0:
             continue
-        m, w = geometry.material[t], scale(vec(seen.away, i), -1.0)
-        colour = (0.0, 0.0, 0.0)
-        if dot(surface.geometric_normal(geometry, t), w) > 0.0:
-            tint = (1.0, 1.0, 1.0)
-            if maps.textured[m]:
-                surface.parameters(
-                    geometry, materials, t, seen.b1[i], seen.b2[i], vec(seen.away, i), row
-                )
-                tint = diffuse_colour(row)
-            colour = _reflected(vertices, maps, lit, t, seen.b1[i], seen.b2[i], m, w, tint)
-        for c in range(3):
-            out[i, c] = max(0.0, colour[c]) + materials.emission[m, c]
-
-
-@njit(nogil=True)
-def _reflected(vertices, maps, lit, t, b1, b2, m, w, tint):
-    """Radiance towards w from the vectors at a triangle's corners (eq. 5)."""
-    k = maps.terms[m]
-    first = maps.first[m] - maps.vertex[m] * k
-    a, b, c = vertices.corners[t]
-    rows = (first + a * k, first + b * k, first + c * k)
-    weights = (1.0 - b1 - b2, np.float64(b1), np.float64(b2))
-    if maps.size[m] == 1:
-        g = _mixed(lit, rows, weights, 0)
-        h = vec(maps.h, maps.texel[m])
-        return mul(mul(g, h), tint)
-    if vertices.smooth[t]:
-        n = _between(vertices.normal, (a, b, c), weights)
-        s = _between(vertices.tangent, (a, b, c), weights)
-        s = normalize(sub(s, scale(n, dot(s, n))))
-        return _sum_of_terms(maps, lit, m, k, rows, weights, (s, cross(n, s), n), w, tint)
-    # Frames that turn by too much to go between: each corner in its own.
-    total = (0.0, 0.0, 0.0)
-    for corner in range(3):
-        own = frame(vertices.normal, vertices.tangent, (a, b, c)[corner])
-        one = (weights[corner], 0.0, 0.0)
-        here = (rows[corner], rows[corner], rows[corner])
-        total = add(total, _sum_of_terms(maps, lit, m, k, here, one, own, w, tint))
-    return total
-
-
-@njit(nogil=True)
-def _sum_of_terms(maps, lit, m, k, rows, weights, axes, w, tint):
-    """Σ_k h_k g_k with the direction w in the frame `axes`."""
-    x, y, z = to_local(w, axes[0], axes[1], axes[2])
-    size = maps.size[m]
-    taps, (fx, fy) = disk_taps(normalize((x, y, max(z, LOWEST))), size)
-    parts = ((1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy)
-    total = (0.0, 0.0, 0.0)
-    for term in range(k):
-        h = (0.0, 0.0, 0.0)
-        for corner in range(4):
-            texel = maps.texel[m] + taps[corner] * k + term
-            h = add(h, scale(vec(maps.h, texel), parts[corner]))
-        if term == 0:
-            h = mul(h, tint)
-        total = add(total, mul(h, _mixed(lit, rows, weights, term)))
-    return total
-
-
-@njit(nogil=True)
-def _mixed(lit, rows, weights, term):
-    return add(
-        add(
-            scale(vec(lit, rows[0] + term), weights[0]), scale(vec(lit, rows[1] + term), weights[1])
-        ),
-        scale(vec(lit, rows[2] + term), weights[2]),
-    )
-
-
-@njit(nogil=True)
-def _between(values, corners, weights):
-    """Unit mean of three vectors."""
-    return normalize(
-        add(
-            add(
-                scale(vec(values, corners[0]), weights[0]),
-                scale(vec(values, corners[1]), weights[1]),
-            ),
-            scale(vec(values, corners[2]), weights[2]),
+        w = scale(vec(seen.away, i), -1.0)
+        terms = corner_views(
+            geometry, materials, vertices, maps, t, seen.b1[i], seen.b2[i], w, row, h
         )
-    )
+        total = (0.0, 0.0, 0.0)
+        for corner in range(3):
+            first = first_row(maps, vertices, geometry.material[t], vertices.corners[t, corner])
+            for k in range(terms):
+                total = add(total, mul(vec(h[corner], k), vec(lit, first + k)))
+        for c in range(3):
+            out[i, c] = max(0.0, total[c]) + materials.emission[geometry.material[t], c]

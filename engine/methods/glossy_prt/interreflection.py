@@ -1,0 +1,231 @@
+"""Bounced transport vectors: `glossy_prt` §3.2, §4.2 (Wang, Tran, Luebke 2006).
+
+One pass gathers, for every vertex x, the vectors of the surfaces around it (eq. 8):
+
+    T_k^{i+1}(x) = ∫ Σ_λ h_λ(x~, -ω) T_λ^i(x~) g_k(ω) (1 - V(x, ω)) (n·ω) dω
+
+over the texels of a coarse cube map, with x~ what the ray along ω meets. The paper snaps it to a
+vertex; here it lies between the three of its triangle. What the rays of one vertex have to do with
+each vertex around is summed up first, so that every vector is read once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from engine.methods.glossy_prt.terms import Terms
+from engine.methods.glossy_prt.vertices import Vertices, frame
+from engine.methods.glossy_prt.views import Maps, corner_views
+from engine.methods.glossy_prt.visibility import LIFT
+from engine.numerics import cube_map
+from engine.numerics.borrow import borrow
+from engine.numerics.frames import to_local
+from engine.numerics.hemisphere_maps import disk_taps
+from engine.numerics.vec import dot, scale, vec
+from engine.numerics.wavelet_vectors import WaveletVectors, keep_largest
+from engine.scene.scene import Scene
+
+CHUNK = 64  # vertices
+
+
+class Sources(NamedTuple):
+    """The vectors of all materials behind each other.
+
+    start, place                of all vertices, as in `WaveletVectors`
+    base, scale, steps          of all vertices, flat
+    base_at, scale_at, step_at  (v,) int64   where those of a vertex begin
+    channels                    (materials,) int32   1 or 3
+    """
+
+    start: NDArray[np.int64]
+    place: NDArray[np.uint16]
+    base: NDArray[np.float32]
+    scale: NDArray[np.float32]
+    steps: NDArray[np.int8]
+    base_at: NDArray[np.int64]
+    scale_at: NDArray[np.int64]
+    step_at: NDArray[np.int64]
+    channels: NDArray[np.int32]
+
+
+class Job(NamedTuple):
+    """One pass for some vertices of one material; `channels` of the vectors that it makes."""
+
+    scene: Scene
+    vertices: Vertices
+    first: int
+    count: int
+    terms: Terms
+    maps: Maps
+    sources: Sources
+    gather_texels: int
+    light_texels: int
+    coefficients: int
+    channels: int
+
+    @property
+    def chunks(self) -> int:
+        """How many pieces the work has."""
+        return -(-self.count // CHUNK)
+
+
+def stack(vectors: Sequence[WaveletVectors], terms: Sequence[Terms]) -> Sources:
+    """The vectors of the materials, of the materials' terms each."""
+    width = np.concatenate([np.full(len(v.length), v.scale.shape[1]) for v in vectors])
+    length = np.concatenate([v.length for v in vectors])
+
+    def before(count: NDArray[np.int64]) -> NDArray[np.int64]:
+        return np.concatenate([[0], np.cumsum(count)[:-1]]).astype(np.int64)
+
+    return Sources(
+        start=np.concatenate([[0], np.cumsum(length, dtype=np.int64)]),
+        place=np.concatenate([v.place for v in vectors]),
+        base=np.concatenate([v.base.ravel() for v in vectors]),
+        scale=np.concatenate([v.scale.ravel() for v in vectors]),
+        steps=np.concatenate([v.steps.ravel() for v in vectors]),
+        base_at=before(cube_map.FACES * width),
+        scale_at=before(width),
+        step_at=before(width * length),
+        channels=np.array(
+            [v.scale.shape[1] // t.count for v, t in zip(vectors, terms, strict=True)], np.int32
+        ),
+    )
+
+
+def bounce_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
+    """The vectors of a chunk's vertices, as the arrays of `WaveletVectors`."""
+    first = job.first + chunk * CHUNK
+    s = slice(first, min(first + CHUNK, job.first + job.count))
+    v, rays = job.vertices, job.scene.rays
+    directions = cube_map.directions(job.gather_texels)
+    areas = cube_map.vector_areas(job.gather_texels)
+    above = v.normal[s].astype(np.float64) @ areas.T > 0
+    vertex, cell = np.nonzero(above)
+    start = v.position[s] + np.float32(LIFT * rays.epsilon) * v.normal[s]
+    hits = rays.intersect(start[vertex], directions.astype(np.float32)[cell])
+    most, n = job.coefficients, job.light_texels
+    count, channels = len(above), job.terms.count * job.channels
+    length = np.zeros(count, np.int32)
+    base = np.zeros((count, cube_map.FACES, channels), np.float32)
+    scale_ = np.zeros((count, channels), np.float32)
+    place = np.zeros((count, most), np.uint16)
+    steps = np.zeros((count, most, channels), np.int8)
+    weight = job.terms.weight_of(job.channels)
+    _gather(
+        first, np.searchsorted(vertex, np.arange(count + 1)), cell, hits.triangle, hits.b1, hits.b2,
+        directions, areas, job.scene.geometry, job.scene.material_table, v, job.maps, job.sources,
+        job.terms.flat, job.terms.light.shape[0], job.terms.count, job.terms.channels,
+        job.channels, cube_map.FACES * n * n, weight, most, length, base, scale_, place, steps,
+    )  # fmt: skip
+    kept = np.arange(most) < length[:, None]
+    return {
+        "length": length,
+        "base": base,
+        "scale": scale_,
+        "place": place[kept],
+        "steps": steps[kept],
+    }
+
+
+@njit(cache=True, nogil=True)
+def _gather(
+    first, ray, cell, triangle, b1, b2, directions, areas, geometry, materials, vertices, maps,
+    sources, light, size, terms, light_channels, channels, texels, weight, most,
+    length, base, scale_, place, steps,
+):  # fmt: skip
+    geometry, materials, maps = borrow(geometry), borrow(materials), borrow(maps)
+    vertices, sources = borrow(vertices), borrow(sources)
+    wide = 0
+    for m in range(maps.terms.shape[0]):
+        wide = max(wide, maps.terms[m])
+    row, h = np.zeros(materials.row.shape[1], np.float32), np.zeros((3, wide, 3), np.float32)
+    g = np.zeros(light.shape[1], np.float32)
+    slot = np.full(vertices.position.shape[0], -1, np.int32)
+    values = np.zeros((texels, channels * terms), np.float32)
+    for i in range(length.shape[0]):
+        here = range(ray[i], ray[i + 1])
+        s, t, n = frame(vertices.normal, vertices.tangent, first + i)
+        whole = 0.0
+        for j in range(areas.shape[0]):
+            whole += max(0.0, dot(n, vec(areas, j)))
+        if whole == 0.0:
+            continue
+        # factor[q, λ, c K + k]: what term λ of source q has to do with the vector's channels.
+        source = np.zeros(min(3 * len(here), slot.shape[0]), np.int32)
+        factor = np.zeros((len(source), wide, channels * terms), np.float32)
+        count = 0
+        for r in here:
+            if triangle[r] < 0:
+                continue
+            w = vec(directions, cell[r])
+            seen = corner_views(
+                geometry, materials, vertices, maps, triangle[r], b1[r], b2[r], scale(w, -1.0),
+                row, h,
+            )  # fmt: skip
+            if seen == 0:
+                continue
+            _light_vector(light, size, to_local(w, s, t, n), g)
+            unit = np.pi / whole * dot(n, vec(areas, cell[r]))
+            for corner in range(3):
+                v = vertices.corners[triangle[r], corner]
+                if slot[v] < 0:
+                    slot[v] = count
+                    source[count] = v
+                    count += 1
+                f = factor[slot[v]]
+                for k in range(seen):
+                    for c in range(channels):
+                        shine = np.float32(unit * h[corner, k, c])
+                        own = c * terms if light_channels == 3 else 0
+                        for q in range(terms):
+                            f[k, c * terms + q] += shine * g[own + q]
+        values[:] = 0.0
+        for q in range(count):
+            v = source[q]
+            slot[v] = -1
+            m = vertices.material[v]
+            _add(sources, v, maps.terms[m], sources.channels[m], factor[q], terms, values)
+        length[i] = keep_largest(values, weight, most, base[i], scale_[i], place[i], steps[i])
+
+
+@njit(nogil=True)
+def _light_vector(light, size, w, out):
+    """Fill out (channels · K,) with g_k(w)."""
+    taps, (fx, fy) = disk_taps(w, size)
+    parts = ((1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy)
+    for q in range(out.shape[0]):
+        out[q] = (
+            parts[0] * light[taps[0], q]
+            + parts[1] * light[taps[1], q]
+            + parts[2] * light[taps[2], q]
+            + parts[3] * light[taps[3], q]
+        )
+
+
+@njit(nogil=True)
+def _add(sources, v, source_terms, source_channels, factor, terms, values):
+    """Add the vector of vertex v, each of its terms times its factors, to values (texels, c)."""
+    channels, width = values.shape[1] // terms, source_terms * source_channels
+    size = values.shape[0] // cube_map.FACES
+    for k in range(source_terms):
+        for c in range(channels):
+            own = (c if source_channels == 3 else 0) * source_terms + k
+            unit = sources.scale[sources.scale_at[v] + own]
+            f = factor[k, c * terms : (c + 1) * terms]
+            at = sources.step_at[v] + own
+            for p in range(sources.start[v], sources.start[v + 1]):
+                value = unit * np.float32(sources.steps[at])
+                at += width
+                into = values[sources.place[p]]
+                for q in range(terms):
+                    into[c * terms + q] += f[q] * value
+            for face in range(cube_map.FACES):
+                value = sources.base[sources.base_at[v] + face * width + own]
+                into = values[face * size]
+                for q in range(terms):
+                    into[c * terms + q] += f[q] * value

@@ -1,0 +1,120 @@
+"""The view-dependent vectors h_k of a point that is seen: `glossy_prt` eq. 5, 10, for kernels."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from engine.brdf.base import diffuse_colour
+from engine.methods.glossy_prt.terms import Terms
+from engine.methods.glossy_prt.vertices import frame
+from engine.numerics.frames import to_local
+from engine.numerics.hemisphere_maps import disk_taps
+from engine.numerics.vec import add, cross, dot, normalize, scale, sub, vec
+from engine.scene import surface
+
+LOWEST = 0.02  # cosine of a view below which maps are not looked up: beyond their rim is nothing
+
+
+class Maps(NamedTuple):
+    """View maps and vectors of all materials.
+
+    first     (materials,) int64    row of the first vertex's first vector
+    vertex    (materials,) int64    the first vertex
+    terms     (materials,) int32    K
+    size      (materials,) int32    texels along a view map
+    texel     (materials,) int64    its first texel in `h`
+    textured  (materials,) bool     see `Terms`
+    h         (texels, 3) float32   view maps, material by material, texel by texel, term by term
+    """
+
+    first: NDArray[np.int64]
+    vertex: NDArray[np.int64]
+    terms: NDArray[np.int32]
+    size: NDArray[np.int32]
+    texel: NDArray[np.int64]
+    textured: NDArray[np.bool_]
+    h: NDArray[np.float32]
+
+
+def stack_maps(terms: list[Terms], count: NDArray[np.integer]) -> Maps:
+    """`Maps` of the materials' terms and of how many vertices have each material."""
+    views = [t.view.reshape(-1, 3) for t in terms]
+    many = np.array([t.count for t in terms], np.int32)
+
+    def before(numbers: NDArray[np.integer]) -> NDArray[np.int64]:
+        return np.concatenate([[0], np.cumsum(numbers)[:-1]]).astype(np.int64)
+
+    return Maps(
+        first=before(count * many),
+        vertex=before(count),
+        terms=many,
+        size=np.array([t.view.shape[0] for t in terms], np.int32),
+        texel=before(np.array([len(v) for v in views])),
+        textured=np.array([t.textured for t in terms]),
+        h=np.concatenate(views),
+    )
+
+
+@njit
+def first_row(maps, vertices, material, vertex):
+    """Row of the first vector of a vertex of a material."""
+    return maps.first[material] + (vertex - maps.vertex[material]) * maps.terms[material]
+
+
+@njit
+def corner_views(geometry, materials, vertices, maps, t, b1, b2, w, row, out):
+    """Fill out (3, K, 3): h_k(w) for each corner of triangle t, times the corner's barycentric.
+
+    What is seen from direction w at (b1, b2) is the sum over corners and terms of that times the
+    light-dependent vectors. Returns K, 0 where the triangle shows its back. row (ROW,) is scratch.
+    """
+    if dot(surface.geometric_normal(geometry, t), w) <= 0.0:
+        return 0
+    m = geometry.material[t]
+    count, size = maps.terms[m], maps.size[m]
+    tint = (1.0, 1.0, 1.0)
+    if maps.textured[m]:
+        surface.parameters(geometry, materials, t, b1, b2, w, row)
+        tint = diffuse_colour(row)
+    weights = (1.0 - b1 - b2, np.float64(b1), np.float64(b2))
+    # A constant needs no frame; frames that turn by too much to go between are taken one by one.
+    together = vertices.smooth[t] or size == 1
+    for corner in range(3):
+        if corner == 0 or not together:
+            axes = _between(vertices, t, weights) if together else _own(vertices, t, corner)
+            x, y, z = to_local(w, axes[0], axes[1], axes[2])
+            taps, (fx, fy) = disk_taps(normalize((x, y, max(z, LOWEST))), size)
+            parts = ((1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy)
+            for k in range(count):
+                h = (0.0, 0.0, 0.0)
+                for tap in range(4):
+                    texel = maps.texel[m] + taps[tap] * count + k
+                    h = add(h, scale(vec(maps.h, texel), parts[tap]))
+                for c in range(3):
+                    out[2, k, c] = h[c] * tint[c] if k == 0 else h[c]
+        for k in range(count):
+            for c in range(3):
+                out[corner, k, c] = weights[corner] * out[2, k, c]
+    return count
+
+
+@njit
+def _own(vertices, t, corner):
+    return frame(vertices.normal, vertices.tangent, vertices.corners[t, corner])
+
+
+@njit
+def _between(vertices, t, weights):
+    """The frame (s, t, n) at barycentrics of a triangle."""
+    n, s = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for corner in range(3):
+        v = vertices.corners[t, corner]
+        n = add(n, scale(vec(vertices.normal, v), weights[corner]))
+        s = add(s, scale(vec(vertices.tangent, v), weights[corner]))
+    n = normalize(n)
+    s = normalize(sub(s, scale(n, dot(s, n))))
+    return s, cross(n, s), n
