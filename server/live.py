@@ -109,7 +109,7 @@ class Session:
         # A view is prepared once the hand rests, not for every camera on the way.
         if edit.scale == 1:
             camera = self.stage.camera(edit.edits)
-            self._job = self.service.look(self.stage, camera, self.id)
+            self._job = self.service.look(self.stage, camera, self.id, edit.method)
         order = Order(
             edits=edit.edits,
             exposure=edit.exposure,
@@ -117,6 +117,7 @@ class Session:
             format=edit.format,
             quality=edit.quality,
             seq=edit.seq,
+            method=edit.method,
         )
         return with_job(draw(self.stage, order), self._job)
 

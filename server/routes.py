@@ -14,6 +14,7 @@ from server.accept import MEDIA_TYPES, negotiate
 from server.live import Session
 from server.problems import describe
 from server.service import Service
+from server.stage import METHOD
 from server.wire import (
     Edits,
     Exposure,
@@ -90,13 +91,21 @@ async def frame(
     exposure: Annotated[Exposure, Query()] = 0.0,
     scale: Annotated[Scale, Query()] = 1,
     quality: Annotated[Quality, Query()] = 90,
+    method: Annotated[str, Query()] = METHOD,
     accept: Annotated[str, Header()] = "*/*",
 ) -> Response:
     """The scene under the edits, as an image; OpenEXR is linear and ignores the exposure."""
     service = service_of(request)
     stage = service.stages.get(scene)
     media_type, image_format = negotiate(accept)
-    order = Order(edits=edits, exposure=exposure, scale=scale, format=image_format, quality=quality)
+    order = Order(
+        edits=edits,
+        exposure=exposure,
+        scale=scale,
+        format=image_format,
+        quality=quality,
+        method=method,
+    )
     drawn = await service.frame(stage, order, watcher=f"http {scene}")
     timing = ", ".join(f"{name};dur={ms}" for name, ms in drawn.header.timings.items())
     return Response(

@@ -34,8 +34,8 @@ Precompute = Callable[[Task, Progress], None]
 class Service:
     """Scenes, frames and precomputes.
 
-    `precompute` fills the store with a task's product; `settings` replace some of the method's
-    defaults in every task.
+    `precompute` fills the store with a task's product; `settings` replace some of the
+    defaults of METHOD in every task.
     """
 
     def __init__(
@@ -63,15 +63,17 @@ class Service:
         settings = settings_of(task.method, task.settings)
         stage.install(task.camera, task.method, prepare(scene, task.method, settings, progress))
 
-    def look(self, stage: Stage, camera: Camera, watcher: str) -> JobState | None:
+    def look(
+        self, stage: Stage, camera: Camera, watcher: str, method: str = METHOD
+    ) -> JobState | None:
         """Somebody looks through this camera: the job that makes its product, None if it is there.
 
         A task that failed or was cancelled by request is not started again by looking.
         """
-        if stage.product(camera) is not None:
+        if stage.product(camera, method) is not None:
             self.jobs.look_away(watcher)
             return None
-        task = self.task(stage, camera)
+        task = self.task(stage, camera, method)
         active = self.jobs.active(task)
         if active is None:
             refused = self.jobs.refused(task)
@@ -83,7 +85,9 @@ class Service:
     async def frame(self, stage: Stage, order: Order, watcher: str) -> Drawn:
         """Draw one frame, for a client that waits for this very one."""
         camera = await asyncio.to_thread(stage.camera, order.edits)
-        job = self.look(stage, camera, watcher) if order.scale == 1 else None
+        job = None
+        if order.scale == 1:
+            job = self.look(stage, camera, watcher, order.method)
         drawn = await self.worker.run(lambda: draw(stage, order))
         return with_job(drawn, job)
 
@@ -114,7 +118,7 @@ class Service:
             source=stage.source,
             camera=camera,
             method=method,
-            settings={**self.settings, **(settings or {})},
+            settings={**(self.settings if method == METHOD else {}), **(settings or {})},
         )
 
     def detail(self, stage: Stage) -> SceneDetail:

@@ -1,7 +1,7 @@
 """A scene on the service: opened when first needed, seen through products and previews.
 
 A fixed-view product answers for one camera. Until it is there, and while the camera moves, a
-preview shows direct light for that camera.
+preview shows direct light for that camera. A product that takes any camera answers for all.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import Generic, NamedTuple, TypeVar
 
 from engine.errors import NotFound
-from engine.methods.base import Frame, Product
+from engine.methods import METHODS
+from engine.methods.base import EDITS, Frame, Product
 from engine.methods.fixed_view.preview import DirectPreview
 from engine.scene.camera import Camera
 from engine.scene.edits import Edits, edited_camera
@@ -31,15 +32,21 @@ KEPT_PREVIEWS = 3
 
 
 class View(NamedTuple):
-    """What draws a frame: `scale` is left for it to apply; `method` names it to the user."""
+    """What draws a frame: `scale` is left for it to apply; `method` names it to the user.
+
+    `fixed` is whether it was made for the camera of the edits and takes none.
+    """
 
     renderer: Product | DirectPreview
     scale: int
     method: str
+    fixed: bool
 
     def relight(self, edits: Edits) -> Frame:
-        """The frame under the edits, the camera's aside."""
-        return self.renderer.relight(edits.model_copy(update={"camera": None}), self.scale)
+        """The frame under the edits."""
+        if self.fixed:
+            edits = edits.model_copy(update={"camera": None})
+        return self.renderer.relight(edits, self.scale)
 
 
 class Recent(Generic[Key, Value]):
@@ -90,21 +97,21 @@ class Stage:
 
     def product(self, camera: Camera, method: str = METHOD) -> Product | None:
         """The product for this view, if it is loaded."""
-        return self._products.get((method, camera.model_dump_json()))
+        return self._products.get(_key(camera, method))
 
     def install(self, camera: Camera, method: str, product: Product) -> None:
         """Use a product from now on."""
-        self._products.keep((method, camera.model_dump_json()), product)
+        self._products.keep(_key(camera, method), product)
 
-    def view(self, camera: Camera, scale: int) -> View:
+    def view(self, camera: Camera, scale: int, method: str = METHOD) -> View:
         """The best there is for this camera."""
-        key = camera.model_dump_json()
-        product = self._products.use((METHOD, key))
+        product = self._products.use(_key(camera, method))
         if product is not None:
-            return View(product, scale, product.method)
+            return View(product, scale, product.method, "camera" not in EDITS[method])
+        key = camera.model_dump_json()
         preview = self._previews.use(key)
         if preview is not None:
-            return View(preview, scale, "direct")
+            return View(preview, scale, "direct", True)
         if scale > 1:
             # A camera that moves would pay for a full buffer at every step: trace fewer rays.
             camera = camera.model_copy(
@@ -112,7 +119,14 @@ class Stage:
             )
         preview = DirectPreview(self.scene().with_camera(camera))
         self._previews.keep(camera.model_dump_json(), preview)
-        return View(preview, 1, "direct")
+        return View(preview, 1, "direct", True)
+
+
+def _key(camera: Camera, method: str) -> tuple[str, str]:
+    """A product of a method that takes any camera is the same for all."""
+    if method not in METHODS:
+        raise NotFound(f"there is no method {method!r}; there are {', '.join(METHODS)}")
+    return method, "" if "camera" in EDITS[method] else camera.model_dump_json()
 
 
 @dataclass(frozen=True)

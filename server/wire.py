@@ -175,6 +175,7 @@ class LiveEdit(Wire):
     scale: Scale = 1
     format: Literal["jpeg", "png", "webp"] = "jpeg"
     quality: Quality = 85
+    method: str = "direct_to_indirect"
 
 
 class LiveAck(Wire):

@@ -13,7 +13,7 @@ from engine.images import encode, encode_exr
 from engine.numerics.display import to_srgb8
 from engine.scene.edits import Edits
 from server.problems import Busy
-from server.stage import Stage
+from server.stage import METHOD, Stage
 from server.wire import FrameHeader, ImageFormat, Notice
 
 T = TypeVar("T")
@@ -32,6 +32,7 @@ class Order:
     format: ImageFormat
     quality: int
     seq: int = 0
+    method: str = METHOD
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ class Worker:
 def draw(stage: Stage, order: Order) -> Drawn:
     """Relight, display and encode; in the render thread alone."""
     start = time.perf_counter()
-    view = stage.view(stage.camera(order.edits), order.scale)
+    view = stage.view(stage.camera(order.edits), order.scale, order.method)
     prepared = time.perf_counter()
     frame = view.relight(order.edits)
     relit = time.perf_counter()

@@ -57,7 +57,7 @@ export class Handles {
     const { state } = this;
     const wanted = new Set();
     const paths = [];
-    for (const light of state.lights) {
+    for (const light of state.takes("lights") ? state.lights : []) {
       const grips = gripsOf(light, state.scene, state.camera);
       const selected = light.id === state.selected;
       for (const grip of grips) {

@@ -13,6 +13,12 @@ const find = (id) => document.getElementById(id);
 const canvas = find("canvas");
 const context = canvas.getContext("2d", { alpha: false });
 
+// What a person does with each method.
+const METHODS = {
+  direct_to_indirect: ["Lights", "drag the lamps; the camera stands still"],
+  glossy_prt: ["Camera and sky", "turn the view and the environment"],
+};
+
 const state = new State();
 let live = null;
 
@@ -30,16 +36,17 @@ const panel = new Panel(state, {
 const environment = new EnvironmentPanel(state, {
   box: find("environment"), map: find("environment-map"), reset: find("environment-reset"),
 });
-new Orbit(state, find("picture"), find("camera-mode"));
+const orbit = new Orbit(state, find("picture"), find("camera-mode"));
 
 state.listen((what, moving) => {
   for (const side of [panel, environment]) what === "scene" ? side.open() : side.draw();
   handles.draw();
+  if (what === "scene" || what === "method") drawMethods();
   find("camera-reset").disabled = !state.cameraMoved;
   if (what === "exposure") drawExposure();
   if (what === "selected") return;
   canvas.dataset.state = "changing";
-  requests.changed(moving, what === "camera");
+  requests.changed(moving, what === "camera" && !state.takes("camera"));
 });
 
 async function call(path, options = {}) {
@@ -57,7 +64,7 @@ async function precompute() {
   const job = await call(`api/scenes/${encodeURIComponent(state.scene.name)}/precompute`, {
     method: "POST",
     headers: { "Content-Type": "application/json" },
-    body: JSON.stringify({ edits: camera ? { camera } : {} }),
+    body: JSON.stringify({ method: state.method, edits: camera ? { camera } : {} }),
   });
   status.job(job);
   requests.changed(false);
@@ -94,6 +101,29 @@ function showFrame(bitmap, header, roundTrip, cause) {
   });
 }
 
+function drawMethods() {
+  const { scene, method } = state;
+  const buttons = scene.methods.map(({ name, paper }) => {
+    const button = choice(...(METHODS[name] ?? [name, paper]), name === method);
+    button.title = paper;
+    button.dataset.method = name;
+    button.addEventListener("click", () => state.setMethod(name));
+    return button;
+  });
+  find("methods").replaceChildren(...buttons);
+  find("lights-part").hidden = !state.takes("lights");
+  orbit.setMode(state.takes("camera"));
+}
+
+function choice(name, text, chosen) {
+  const button = document.createElement("button");
+  button.type = "button";
+  button.setAttribute("role", "radio");
+  button.setAttribute("aria-checked", String(chosen));
+  button.append(node("b", name), node("small", text));
+  return button;
+}
+
 function drawFacts(scene) {
   const facts = {
     Triangles: scene.triangles.toLocaleString("en"),
@@ -113,11 +143,7 @@ function node(tag, text) {
 
 function drawScenes(scenes, current) {
   const buttons = scenes.map(({ name, description }) => {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.setAttribute("role", "radio");
-    button.setAttribute("aria-checked", String(name === current));
-    button.append(node("b", name), node("small", description));
+    const button = choice(name, description, name === current);
     button.addEventListener("click", () => open(scenes, name));
     return button;
   });

@@ -1,4 +1,5 @@
-// The camera by hand: right button, or any button in camera mode; keys on the focused picture.
+// The camera by hand: right button, or any button in camera mode; keys on the focused picture. With
+// Alt held the environment turns instead.
 
 import { dolly, orbit, pan } from "./camera.js";
 
@@ -41,7 +42,8 @@ export class Orbit {
     if (event.target.closest(".progress")) return;
     event.preventDefault();
     this.picture.setPointerCapture(event.pointerId);
-    this.#drag = { pointer: event.pointerId, x: event.clientX, y: event.clientY, moved: false };
+    const sky = event.altKey && this.state.environment !== null;
+    this.#drag = { pointer: event.pointerId, x: event.clientX, y: event.clientY, moved: false, sky };
   }
 
   #move(event) {
@@ -52,6 +54,10 @@ export class Orbit {
     const dy = (event.clientY - drag.y) / box.height;
     if (!dx && !dy) return;
     Object.assign(drag, { x: event.clientX, y: event.clientY, moved: true });
+    if (drag.sky) {
+      this.#turnSky(dx, true);
+      return;
+    }
     const { camera } = this.state;
     this.state.setCamera(
       event.shiftKey ? pan(camera, dx, dy) : orbit(camera, -TURN * dx, TURN * dy),
@@ -59,11 +65,19 @@ export class Orbit {
     );
   }
 
+  // The environment follows the hand, as seen from the camera.
+  #turnSky(dx, moving) {
+    const { environment } = this.state;
+    const angle = environment.rotation_degrees + (TURN * dx * 180) / Math.PI;
+    this.state.setEnvironment({ ...environment, rotation_degrees: angle }, moving);
+  }
+
   #up(event) {
     if (this.#drag?.pointer !== event.pointerId) return;
-    const { moved } = this.#drag;
+    const { moved, sky } = this.#drag;
     this.#drag = null;
-    if (moved) this.state.setCamera(this.state.camera, false);
+    if (moved && sky) this.#turnSky(0, false);
+    else if (moved) this.state.setCamera(this.state.camera, false);
   }
 
   #wheel(event) {

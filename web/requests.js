@@ -56,8 +56,8 @@ export class Requests {
     requestAnimationFrame(() => {
       const { request: newest, cause: oldest } = this.#due;
       this.#due = null;
-      const { exposure } = this.state;
-      const edit = { edits: this.state.edits(), exposure, format: "jpeg", ...newest };
+      const { exposure, method } = this.state;
+      const edit = { edits: this.state.edits(), exposure, method, format: "jpeg", ...newest };
       const seq = this.send(edit, oldest);
       if (edit.format === "png") this.#final = seq;
     });

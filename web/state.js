@@ -15,11 +15,12 @@ export class State {
     this.environment = null;
     this.camera = null;
     this.exposure = 0;
+    this.method = "direct_to_indirect";
     this.selected = null;
   }
 
   // Called as listener(what, moving): what is "scene", "lights", "environment", "camera",
-  // "exposure" or "selected"; moving is true while the hand is still at it.
+  // "exposure", "method" or "selected"; moving is true while the hand is still at it.
   listen(listener) {
     this.#listeners.push(listener);
   }
@@ -98,6 +99,17 @@ export class State {
   setExposure(stops, moving = false) {
     this.exposure = stops;
     this.#tell("exposure", moving);
+  }
+
+  // Which kinds of edit the method takes at once; see `methods` of the scene.
+  takes(kind) {
+    return this.scene?.methods.find(({ name }) => name === this.method)?.edits.includes(kind);
+  }
+
+  setMethod(method) {
+    if (method === this.method) return;
+    this.method = method;
+    this.#tell("method");
   }
 
   setCamera(camera, moving = false) {
@@ -192,7 +204,7 @@ export class State {
     const lights = this.lights.filter(
       (light) => !same(light, this.scene.lights.find((old) => old.id === light.id)),
     );
-    if (lights.length) edits.lights = lights;
+    if (lights.length && this.takes("lights")) edits.lights = lights;
     if (this.environmentChanged) edits.environment = this.#environmentEdit();
     if (this.cameraMoved) {
       const { position, target, up, fov_y_degrees } = this.camera;

@@ -3,6 +3,7 @@
 const NAMES = {
   direct: "Direct light only",
   direct_to_indirect: "Direct-to-indirect transfer",
+  glossy_prt: "Glossy transfer",
 };
 
 const PHASES = {

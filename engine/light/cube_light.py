@@ -133,7 +133,9 @@ def _balanced(
     """
     rows, columns = overlap.sum(axis=1), overlap.sum(axis=0)
     lack = np.concatenate([of_rows - rows, of_columns - columns])
-    system = block_array([[diags_array(rows), overlap], [overlap.T, diags_array(columns)]]).tocsr()
+    system: csr_array = block_array(
+        [[diags_array(rows), overlap], [overlap.T, diags_array(columns)]], format="csr"
+    )
     jacobi = diags_array(1 / system.diagonal())
     solved, _ = cg(system, lack, rtol=PRECISION, maxiter=ROUNDS, M=jacobi)
     a, b = np.split(solved, [len(rows)])

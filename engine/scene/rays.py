@@ -44,6 +44,7 @@ class RayTracer:
         """Build the tree over positions (v, 3) float32 and triangles (t, 3) int32."""
         if len(triangles) == 0:
             raise SceneError("the scene has no triangles")
+        self._triangles = positions, triangles
         self._scene = EmbreeScene(robust=True)
         self._mesh = TriangleMesh(
             self._scene,
@@ -55,6 +56,10 @@ class RayTracer:
         self.epsilon = max(1e-5 * float(np.linalg.norm(high - low)), 4e-7 * reach, 1e-12)
         # Embree commits at the first query, which two threads must not do at once.
         self._run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32), np.ones(1, np.float32))
+
+    def __reduce__(self) -> tuple[type[RayTracer], tuple[NDArray[np.float32], NDArray[np.int32]]]:
+        """Another process builds the tree anew."""
+        return RayTracer, self._triangles
 
     def intersect(
         self,

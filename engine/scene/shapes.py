@@ -126,6 +126,7 @@ def _rectangle(shape: Rectangle) -> Part:
 
 def _box(shape: Box) -> Part:
     front = _rectangle(Rectangle(shape="rectangle"))
+    assert front.uvs is not None
     # The axes (right, up, outward) of the six faces, seen from outside.
     faces = np.array(
         [

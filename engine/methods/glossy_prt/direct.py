@@ -10,7 +10,8 @@ open vertex together are made to sum to π, so that white light gives what it ou
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -29,7 +30,8 @@ from engine.scene.rays import RayTracer
 CHUNK = 128  # vertices
 
 
-class Job(NamedTuple):
+@dataclass(frozen=True)
+class Job:
     """Direct transport of some vertices of one material."""
 
     rays: RayTracer

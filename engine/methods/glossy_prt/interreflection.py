@@ -12,6 +12,7 @@ each vertex around is summed up first, so that every vector is read once.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -53,7 +54,8 @@ class Sources(NamedTuple):
     channels: NDArray[np.int32]
 
 
-class Job(NamedTuple):
+@dataclass(frozen=True)
+class Job:
     """One pass for some vertices of one material; `channels` of the vectors that it makes."""
 
     scene: Scene
@@ -210,22 +212,23 @@ def _light_vector(light, size, w, out):
 @njit(nogil=True)
 def _add(sources, v, source_terms, source_channels, factor, terms, values):
     """Add the vector of vertex v, each of its terms times its factors, to values (texels, c)."""
-    channels, width = values.shape[1] // terms, source_terms * source_channels
+    wide, width = values.shape[1], source_terms * source_channels
     size = values.shape[0] // cube_map.FACES
-    for k in range(source_terms):
-        for c in range(channels):
-            own = (c if source_channels == 3 else 0) * source_terms + k
-            unit = sources.scale[sources.scale_at[v] + own]
-            f = factor[k, c * terms : (c + 1) * terms]
-            at = sources.step_at[v] + own
-            for p in range(sources.start[v], sources.start[v + 1]):
-                value = unit * np.float32(sources.steps[at])
-                at += width
-                into = values[sources.place[p]]
-                for q in range(terms):
-                    into[c * terms + q] += f[q] * value
-            for face in range(cube_map.FACES):
-                value = sources.base[sources.base_at[v] + face * width + own]
-                into = values[face * size]
-                for q in range(terms):
-                    into[c * terms + q] += f[q] * value
+    for own in range(width):
+        # A grey term goes into all channels, a coloured one into that of its own.
+        k, c = own % source_terms, own // source_terms
+        low, high = (0, wide) if source_channels == 1 else (c * terms, (c + 1) * terms)
+        f = factor[k, low:high]
+        unit = sources.scale[sources.scale_at[v] + own]
+        at = sources.step_at[v] + own
+        for p in range(sources.start[v], sources.start[v + 1]):
+            value = unit * np.float32(sources.steps[at])
+            at += width
+            into = values[sources.place[p], low:high]
+            for q in range(f.shape[0]):
+                into[q] += f[q] * value
+        for face in range(cube_map.FACES):
+            value = sources.base[sources.base_at[v] + face * width + own]
+            into = values[face * size, low:high]
+            for q in range(f.shape[0]):
+                into[q] += f[q] * value

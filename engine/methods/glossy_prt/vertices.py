@@ -50,10 +50,10 @@ def build_vertices(scene: Scene) -> Vertices:
     pairs = pairs[order]
     corners = rank[corner.ravel()].reshape(-1, 3).astype(np.int32)
     normal = np.ascontiguousarray(geometry.normals[pairs[:, 1]])
-    brushed = scene.material_table.row[pairs[:, 0], GRAIN:].any(axis=1)
-    given = geometry.tangents[pairs[:, 1]] * brushed[:, None]
+    brushed = np.abs(scene.material_table.row[pairs[:, 0], GRAIN:]).sum(axis=1) > 0
+    given = np.where(brushed[:, None], geometry.tangents[pairs[:, 1]], 0)
     tangent = np.zeros_like(normal)
-    _frames(normal, given.astype(np.float32), tangent)
+    _frames(normal, given, tangent)
     smooth = np.zeros(len(corners), np.bool_)
     _compare(corners, tangent, smooth)
     return Vertices(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -67,9 +67,10 @@ def look(scene: Scene, camera: Camera, step: int = 1) -> View:
     return View(shape, centre, pixel, _see(scene, camera, sx, sy))
 
 
-def _see(scene: Scene, camera: Camera, x: NDArray[np.float64], y: NDArray[np.float64]) -> Seen:
+def _see(scene: Scene, camera: Camera, x: NDArray[Any], y: NDArray[Any]) -> Seen:
     away = camera.directions(x, y)
-    hits = scene.rays.intersect(np.tile(np.float32(camera.position), (len(away), 1)), away)
+    eye = np.tile(np.array(camera.position, np.float32), (len(away), 1))
+    hits = scene.rays.intersect(eye, away)
     return Seen(hits.triangle, hits.b1, hits.b2, away)
 
 
