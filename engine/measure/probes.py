@@ -1,6 +1,6 @@
-"""Light edits that no precompute has seen: the same seed draws the same ones.
+"""Edits that no precompute has seen: the same seed draws the same ones.
 
-They take turns: a sharp spot on something that the camera sees (the hard case of
+Those of lights take turns: a sharp spot on something that the camera sees (the hard case of
 `direct_to_indirect` §3.7), a bare point light, and one of the scene's own lights moved while the
 others stay. All keep off the surfaces: a light close to a wall is a case of its own, in which noise
 and the 1/r² of a point drown everything else.
@@ -21,6 +21,7 @@ from engine.scene.scene import Scene
 
 CONE_DEGREES, PENUMBRA_DEGREES = 20.0, 2.0
 TRIES = 1000
+TURN = 0.3
 CLEARANCE, FEELERS = 0.03, 128  # of the scene's size; rays that feel for surfaces
 Position = tuple[float, float, float]
 
@@ -48,6 +49,14 @@ def held_out_edits(scene: Scene, count: int, seed: int) -> list[Edits]:
     return edits
 
 
+def held_out_turns(scene: Scene, count: int, seed: int) -> list[Edits]:
+    """`count` turns of the scene's environment; raises SceneError where it has none."""
+    if scene.environment is None:
+        raise SceneError("the scene has no environment that could be turned", field="environment")
+    angles = np.random.default_rng(seed).uniform(-180, 180, count)
+    return [Edits(environment={"rotation_degrees": round(float(angle), 2)}) for angle in angles]
+
+
 def many_lights(scene: Scene, count: int, seed: int) -> tuple[PointLight, ...]:
     """`count` white point lights in the open, in all as bright as one probe."""
     rng = np.random.default_rng(seed)
@@ -61,7 +70,16 @@ def many_lights(scene: Scene, count: int, seed: int) -> tuple[PointLight, ...]:
 
 
 def nudged(edits: Edits, step: float) -> Edits:
-    """The same edits with every light that has a position moved by `step` metres along x."""
+    """The same edits moved on by a little.
+
+    Every light that has a position by `step` metres along x, a turned environment by TURN degrees
+    for every thousandth of that.
+    """
+    if edits.environment is not None and "rotation_degrees" in edits.environment:
+        angle = edits.environment["rotation_degrees"] + TURN * step * 1000
+        return edits.model_copy(
+            update={"environment": {**edits.environment, "rotation_degrees": angle}}
+        )
     lights = [dict(light) for light in edits.lights or []]
     for light in lights:
         if light.get("position") is not None:

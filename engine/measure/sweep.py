@@ -16,11 +16,11 @@ from typing import Any
 
 import numpy as np
 
-from engine.errors import NotFound
+from engine.errors import InputError, NotFound
 from engine.measure.edges import scene_edges
 from engine.measure.metrics import all_metrics, resolution
 from engine.measure.points import Point, Sweep
-from engine.measure.probes import held_out_edits, nudged
+from engine.measure.probes import held_out_edits, held_out_turns, nudged
 from engine.measure.settings import settings_from
 from engine.measure.timing import Timing, stopwatch
 from engine.measure.truth import Truth, truth
@@ -39,6 +39,14 @@ SWEEPS: dict[str, dict[str, tuple[Any, ...]]] = {
         "gather": ("rays", "links"),
         "view_rays": (89, 233, 610, 1597),
         "bounces": (0, 1, 2, 3, 5),
+    },
+    "glossy_prt": {
+        "terms": (1, 2, 4, 8, 16),
+        "coefficients": (32, 64, 128, 256, 512),
+        "light_texels": (16, 32, 64),
+        "bounces": (0, 1, 2),
+        "bounce_coefficients": (24, 48, 96),
+        "gather_texels": (8, 16, 32),
     },
 }
 """Per method: the settings to sweep and their values."""
@@ -59,10 +67,15 @@ def variants(
     found: list[tuple[str, Any]] = [("", base)]
     for knob, values in (SWEEPS.get(method, {}) if knobs is None else knobs).items():
         for value in values:
-            settings = settings_from(kind, {**fixed, knob: value})
+            settings = settings_from(kind, {**fixed, **along(knob, value), knob: value})
             if settings not in [other for _, other in found]:
                 found.append((knob, settings))
     return found
+
+
+def along(knob: str, value: Any) -> dict[str, Any]:
+    """Settings that go with a value of another."""
+    return {"visibility_texels": 2 * value} if knob == "light_texels" else {}
 
 
 def sweep(
@@ -86,7 +99,7 @@ def sweep(
     store            where references are kept
     """
     todo = [(m, knob, s) for m in methods for knob, s in variants(m, fixed or {}, knobs)]
-    held_out = held_out_edits(scene, edits, seed)
+    scene, held_out = judged_on(scene, methods, edits, seed)
     truths = []
     for number, edit in enumerate(held_out):
         progress("references", number, edits)
@@ -101,6 +114,23 @@ def sweep(
         points.append(measure(scene, method, knob, settings, held_out, truths, kept, progress))
     progress("settings", len(todo), len(todo))
     return Sweep(scene, held_out, truths, floor, float(1.0 - kept.mean()), points, seed)
+
+
+def judged_on(
+    scene: Scene, methods: Sequence[str], count: int, seed: int
+) -> tuple[Scene, list[Edits]]:
+    """(scene, edits) that methods are judged on: edits of lights, or turns of the environment.
+
+    A method that carries no lights is judged without the scene's own.
+    """
+    lights = {"lights" in METHODS[method].edits for method in methods}
+    if len(lights) > 1:
+        raise InputError(
+            f"{', '.join(methods)} take different edits: chart them one by one", field="method"
+        )
+    if lights == {True}:
+        return scene, held_out_edits(scene, count, seed)
+    return scene.with_lights(()), held_out_turns(scene, count, seed)
 
 
 def measure(

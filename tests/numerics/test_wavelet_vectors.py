@@ -27,7 +27,7 @@ def kept(texels: NDArray, most: int, weight: NDArray | None = None) -> WaveletVe
     scale, place = np.zeros((rows, channels), np.float32), np.zeros((rows, most), np.uint16)
     steps = np.zeros((rows, most, channels), np.int8)
     for i in range(rows):
-        values = np.ascontiguousarray(texels[i], np.float32)
+        values = np.array(texels[i], np.float32)
         to_haar(values)
         length[i] = keep_largest(values, weight, most, base[i], scale[i], place[i], steps[i])
     used = np.arange(most) < length[:, None]

@@ -129,7 +129,7 @@ def _truncated(left: float) -> Diagnosis | None:
         return None
     return Diagnosis(
         "bounces_truncated",
-        f"Light that bounces more often than it was followed would add {100 * left:.0f} % to what "
-        "there is: set bounces higher.",
+        f"Light that bounces more often than it was followed would add {100 * left:.0f} % or "
+        "more to what there is: set bounces higher.",
         left,
     )

@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from engine.backend.cpu.raster import on_triangle, visible_triangles
 from engine.light.environment import Environment
 from engine.light.environment_samples import places_on_map, seen_radiance
 from engine.methods.glossy_prt.vertices import Vertices
 from engine.methods.glossy_prt.views import Maps, corner_views, first_row
 from engine.numerics.borrow import borrow
 from engine.numerics.parallel import for_ranges
-from engine.numerics.vec import add, dot, mul, scale, sub, vec
-from engine.scene import surface
+from engine.numerics.vec import add, mul, normalize, scale, vec
 from engine.scene.camera import Camera
 from engine.scene.scene import Scene
 
 SUBSAMPLES = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])
-SAME_NORMAL, SAME_DEPTH = 0.9, 0.02
+STEP = 0.02  # from a pixel to the next, of their distance: what is farther behind is an edge
+NEAR = 1e-3  # of the scene's size: where surfaces come nearer, rays are cast
 
 
 class Seen(NamedTuple):
@@ -28,13 +30,19 @@ class Seen(NamedTuple):
 
     triangle  (m,) int32       -1 where nothing
     b1, b2    (m,) float32     barycentrics of its second and third corner
+    distance  (m,) float32     metres; infinity where nothing
     away      (m, 3) float32   unit, from the eye
+    beyond    (b,) int64       rays that meet nothing
+    places    (b, 2) float32   where on an environment's map those lead, see `places_on_map`
     """
 
     triangle: NDArray[np.int32]
     b1: NDArray[np.float32]
     b2: NDArray[np.float32]
+    distance: NDArray[np.float32]
     away: NDArray[np.float32]
+    beyond: NDArray[np.int64]
+    places: NDArray[np.float32]
 
 
 class View(NamedTuple):
@@ -54,56 +62,114 @@ class View(NamedTuple):
 
 def look(scene: Scene, camera: Camera, step: int = 1) -> View:
     """What the camera sees through every step-th pixel of every step-th row."""
-    x, y = np.arange(0, camera.width, step) + 0.5, np.arange(0, camera.height, step) + 0.5
-    shape = (len(y), len(x))
-    x, y = np.tile(x, len(y)), np.repeat(y, len(x))
-    centre = _see(scene, camera, x, y)
-    if step > 1:
-        return View(shape, centre, np.zeros(0, np.int32), _see(scene, camera, x[:0], y[:0]))
-    edge = np.zeros(len(x), np.bool_)
-    _find_edges(scene.geometry, centre, np.asarray(camera.position), shape[1], edge)
+    shape = (-(-camera.height // step), -(-camera.width // step))
+    centre = _rasterise(scene, camera, step, shape) or _cast(scene, camera, *_grid(shape, step))
+    edge = np.zeros(len(centre.triangle), np.bool_)
+    if step == 1:
+        for_ranges(_find_edges, len(edge), scene.geometry, centre, shape[1], edge)
     pixel = np.flatnonzero(edge).astype(np.int32)
-    sx, sy = ((a[pixel, None] + SUBSAMPLES[:, axis]).ravel() for axis, a in enumerate((x, y)))
-    return View(shape, centre, pixel, _see(scene, camera, sx, sy))
+    y, x = np.divmod(pixel, shape[1])
+    sx, sy = ((a[:, None] + 0.5 + SUBSAMPLES[:, axis]).ravel() for axis, a in enumerate((x, y)))
+    return View(shape, centre, pixel, _cast(scene, camera, sx, sy))
 
 
-def _see(scene: Scene, camera: Camera, x: NDArray[Any], y: NDArray[Any]) -> Seen:
+def _grid(shape: tuple[int, int], step: int) -> tuple[NDArray[Any], NDArray[Any]]:
+    """(x, y) of every pixel's centre."""
+    x, y = (step * np.arange(n) + 0.5 for n in shape[::-1])
+    return np.tile(x, shape[0]), np.repeat(y, shape[1])
+
+
+def _cast(scene: Scene, camera: Camera, x: NDArray[Any], y: NDArray[Any]) -> Seen:
     away = camera.directions(x, y)
     eye = np.tile(np.array(camera.position, np.float32), (len(away), 1))
     hits = scene.rays.intersect(eye, away)
-    return Seen(hits.triangle, hits.b1, hits.b2, away)
+    beyond = _beyond(hits.triangle, away)
+    return Seen(hits.triangle, hits.b1, hits.b2, hits.distance, away, *beyond)
+
+
+def _beyond(
+    triangle: NDArray[np.int32], away: NDArray[np.float32]
+) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    beyond = np.flatnonzero(triangle < 0)
+    return beyond, places_on_map(away[beyond])
+
+
+def _rasterise(scene: Scene, camera: Camera, step: int, shape: tuple[int, int]) -> Seen | None:
+    """What rays through all pixels' centres meet; None where something is too near for that."""
+    half = math.tan(math.radians(camera.fov_y_degrees) / 2)
+    right, up, back = camera.basis()
+    size = 0.5 * np.array([camera.width, camera.height])
+    scale_ = size[1] / half
+    to_pixels = np.stack([
+        (scale_ * right - (size[0] - 0.5) * back) / step,
+        (-scale_ * up - (size[1] - 0.5) * back) / step,
+        -back,
+    ])  # fmt: skip
+    geometry, eye = scene.geometry, np.array(camera.position)
+    found = visible_triangles(
+        geometry.positions, geometry.triangles, eye, to_pixels, NEAR * scene.diagonal, shape
+    )
+    if found is None:
+        return None
+    n = len(found)
+    b1, b2, distance = np.zeros((3, n), np.float32)
+    away = np.zeros((n, 3), np.float32)
+    from_pixels = np.linalg.inv(to_pixels)
+    for_ranges(
+        _meet, n, geometry.positions, geometry.triangles, eye, from_pixels, shape[1], found,
+        b1, b2, distance, away,
+    )  # fmt: skip
+    return Seen(found, b1, b2, distance, away, *_beyond(found, away))
 
 
 @njit(cache=True, nogil=True)
-def _find_edges(geometry, seen, eye, width, edge):
-    """Mark pixels beside which another object, material, normal or depth is seen."""
-    height = edge.shape[0] // width
-    e = (eye[0], eye[1], eye[2])
-    for y in range(height):
-        for x in range(width):
-            i = y * width + x
-            for j in (i + 1 if x + 1 < width else i, i + width if y + 1 < height else i):
-                if j != i and _apart(geometry, seen, e, i, j):
-                    edge[i] = edge[j] = True
+def _meet(
+    start, stop, positions, triangles, eye, from_pixels, width, triangle, b1, b2, distance, away
+):
+    """Fill in where the rays through pixels meet the triangles that they show."""
+    e, m = (eye[0], eye[1], eye[2]), from_pixels
+    for i in range(start, stop):
+        x, y = float(i % width), float(i // width)
+        w = normalize((
+            m[0, 0] * x + m[0, 1] * y + m[0, 2],
+            m[1, 0] * x + m[1, 1] * y + m[1, 2],
+            m[2, 0] * x + m[2, 1] * y + m[2, 2],
+        ))  # fmt: skip
+        for axis in range(3):
+            away[i, axis] = w[axis]
+        distance[i] = np.inf
+        if triangle[i] >= 0:
+            u, v, far = on_triangle(positions, triangles, triangle[i], e, w)
+            b1[i], b2[i], distance[i] = u, v, far
 
 
-@njit(nogil=True)
-def _apart(geometry, seen, eye, i, j):
-    a, b = seen.triangle[i], seen.triangle[j]
-    if a == b:
-        return False
-    if a < 0 or b < 0 or geometry.material[a] != geometry.material[b]:
-        return True
-    if geometry.object[a] != geometry.object[b]:
-        return True
-    na, nb = surface.geometric_normal(geometry, a), surface.geometric_normal(geometry, b)
-    if dot(na, nb) < SAME_NORMAL:
-        return True
-    p = surface.position(geometry, a, seen.b1[i], seen.b2[i])
-    q = surface.position(geometry, b, seen.b1[j], seen.b2[j])
-    far = sub(p, eye)
-    off = min(abs(dot(sub(q, p), na)), abs(dot(sub(q, p), nb)))
-    return off * off > SAME_DEPTH * SAME_DEPTH * dot(far, far)
+@njit(cache=True, nogil=True)
+def _find_edges(start, stop, geometry, seen, width, edge):
+    """Mark pixels beside which another object or material is seen, or something farther off."""
+    geometry, seen = borrow(geometry), borrow(seen)
+    n = edge.shape[0]
+    for i in range(start, stop):
+        x = i % width
+        for j in (
+            i - 1 if x > 0 else i,
+            i + 1 if x + 1 < width else i,
+            i - width if i >= width else i,
+            i + width if i + width < n else i,
+        ):
+            a, b = seen.triangle[i], seen.triangle[j]
+            if a == b:
+                continue
+            if a < 0 or b < 0:
+                edge[i] = True
+                break
+            near, far = seen.distance[i], seen.distance[j]
+            if (
+                geometry.material[a] != geometry.material[b]
+                or geometry.object[a] != geometry.object[b]
+                or abs(near - far) > STEP * min(near, far)
+            ):
+                edge[i] = True
+                break
 
 
 def shade(
@@ -124,8 +190,7 @@ def shade(
         int(maps.terms.max()), seen, out, grain=2048,
     )  # fmt: skip
     if environment is not None:
-        beyond = np.flatnonzero(seen.triangle < 0)
-        out[beyond] = seen_radiance(environment, places_on_map(seen.away[beyond]))
+        out[seen.beyond] = seen_radiance(environment, seen.places)
     return out
 
 

@@ -81,8 +81,14 @@ def corner_views(geometry, materials, vertices, maps, t, b1, b2, w, row, out):
         surface.parameters(geometry, materials, t, b1, b2, w, row)
         tint = diffuse_colour(row)
     weights = (1.0 - b1 - b2, np.float64(b1), np.float64(b2))
-    # A constant needs no frame; frames that turn by too much to go between are taken one by one.
-    together = vertices.smooth[t] or size == 1
+    if size == 1:  # a constant
+        h = vec(maps.h, maps.texel[m])
+        for corner in range(3):
+            for c in range(3):
+                out[corner, 0, c] = weights[corner] * h[c] * tint[c]
+        return 1
+    # Frames that turn by too much to go between are taken one by one.
+    together = vertices.smooth[t]
     for corner in range(3):
         if corner == 0 or not together:
             axes = _between(vertices, t, weights) if together else _own(vertices, t, corner)

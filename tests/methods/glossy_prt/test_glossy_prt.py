@@ -149,10 +149,9 @@ def test_turning_the_sky_and_the_camera_together_changes_nothing(make: Make) -> 
     ("body", "most"),
     [
         (GREY, 0.03),
-        (BRUSHED, 0.06),
         ({"type": "phong", "diffuse": [0.3] * 3, "specular": [0.3] * 3, "exponent": 8}, 0.06),
     ],
-    ids=["diffuse", "ashikhmin_shirley", "phong"],
+    ids=["diffuse", "phong"],
 )
 def test_direct_light_agrees_with_the_reference(
     make: Make, body: dict[str, Any], most: float
@@ -163,6 +162,22 @@ def test_direct_light_agrees_with_the_reference(
     kept = ~scene_edges(made)
     noise = np.sqrt(true.variance[kept].sum()) / np.linalg.norm(true.image[kept])
     assert relative(found, true.image, kept) < most + noise
+
+
+def test_of_a_brushed_metal_in_hard_light_four_terms_are_not_enough(make: Make) -> None:
+    """42 % off on the ball at the paper's K, though its energy is right: 19 % at 16, 6 % at 64."""
+    made = still_life(BRUSHED, segments=4)
+    true = render(made, samples=400, max_bounces=1).image
+    kept = ~scene_edges(made)
+    kept[: 48 // 4] = kept[-48 // 4 :] = False  # the ball's rows
+    kept[:, : 48 // 3] = kept[:, -48 // 3 :] = False
+    errors = []
+    for terms in (4, 16, 64):
+        found = make(made, terms=terms, coefficients=1024).relight(Edits()).image
+        errors.append(relative(found, true, kept))
+        assert found[kept].sum() == pytest.approx(true[kept].sum(), rel=0.05)
+    assert errors[0] > 2 * errors[1] > 4 * errors[2]
+    assert errors[2] < 0.09
 
 
 @pytest.mark.parametrize(("bounces", "last"), [(1, 2), (4, None)])
@@ -204,7 +219,8 @@ def test_a_white_pit_warns_of_what_is_left_and_more_bounces_mend_it(make: Make) 
     many = make(white, bounces=16, remaining=0.005).relight(Edits())
     said = {w.code: w.size for w in few.warnings}
     lost = 1 - few.image.sum() / true.sum()
-    assert said["bounces_truncated"] == pytest.approx(lost / (1 - lost), rel=0.5)
+    # It knows one ratio of two passes, and later ones lose less.
+    assert 0.2 * lost / (1 - lost) < said["bounces_truncated"] < lost / (1 - lost)
     assert "bounces_truncated" not in {w.code for w in many.warnings}
     assert many.image.sum() == pytest.approx(true.sum(), rel=0.03)
 
