@@ -23,7 +23,7 @@ from pydantic import BaseModel, ConfigDict
 
 import engine.errors
 from engine.errors import Cancelled, InputError, RelightError
-from engine.methods.base import Progress
+from engine.methods.base import EDITS, Progress
 from engine.scene.camera import Camera
 
 NICENESS = 10
@@ -43,8 +43,13 @@ class Task(BaseModel):
 
     @property
     def key(self) -> tuple[str, str, str]:
-        """Equal for two tasks that show the same view with the same method."""
-        return self.scene, self.camera.model_dump_json(), self.method
+        """Equal for two tasks that make the same product."""
+        return self.scene, view_of(self.method, self.camera), self.method
+
+
+def view_of(method: str, camera: Camera) -> str:
+    """What a method's product depends on of a camera: nothing where the method takes any."""
+    return "" if "camera" in EDITS[method] else camera.model_dump_json()
 
 
 def run_in_process(task: Task, progress: Progress) -> None:
@@ -156,12 +161,16 @@ def main() -> None:
         report({"phase": phase, "done": done, "total": total})
 
     from engine.methods import prepare
+    from engine.scene.edits import Edits
     from engine.scene.open import open_scene
 
     try:
         progress("open scene", 0, 1)
         scene = open_scene(task.source).with_camera(task.camera)
-        prepare(scene, task.method, settings_of(task.method, task.settings), progress)
+        product = prepare(scene, task.method, settings_of(task.method, task.settings), progress)
+        # What frames need is compiled here and kept, so that the render thread need not wait.
+        for scale in (2, 1):
+            product.relight(Edits(), scale, "cpu")
     except Cancelled:
         pass
     except RelightError as error:

@@ -22,6 +22,7 @@ from engine.scene.camera import Camera
 from engine.scene.edits import Edits, edited_camera
 from engine.scene.open import open_scene, scenes
 from engine.scene.scene import Scene
+from server.precompute import view_of
 
 Key = TypeVar("Key")
 Value = TypeVar("Value")
@@ -126,7 +127,7 @@ def _key(camera: Camera, method: str) -> tuple[str, str]:
     """A product of a method that takes any camera is the same for all."""
     if method not in METHODS:
         raise NotFound(f"there is no method {method!r}; there are {', '.join(METHODS)}")
-    return method, "" if "camera" in EDITS[method] else camera.model_dump_json()
+    return method, view_of(method, camera)
 
 
 @dataclass(frozen=True)
