@@ -220,6 +220,7 @@ def bench(
     history: Annotated[
         Path | None, typer.Option(help="append the result to this file, one line of JSON")
     ] = None,
+    method: MethodOption = DEFAULT_METHOD,
     rivals: Annotated[
         bool, typer.Option("--rivals", help="against Mitsuba 3, alone and denoised; takes minutes")
     ] = False,
@@ -233,7 +234,13 @@ def bench(
         from engine.measure.report import bench_tables
     opened = [sized_scene(scene, size) for scene in scenes or SCENES]
     with progress_bars() as progress, needs_extra("peers"):
-        document = run_bench(opened, progress, parse_assignments(set_ or ()), against_rivals=rivals)
+        document = run_bench(
+            opened,
+            progress,
+            parse_assignments(set_ or ()),
+            method=known_method(method),
+            against_rivals=rivals,
+        )
     if history is not None:
         history.parent.mkdir(parents=True, exist_ok=True)
         with history.open("a") as file:

@@ -13,14 +13,15 @@ import numpy as np
 from engine.backend.cpu.product import multiply
 from engine.measure.document import finite, provenance
 from engine.measure.machine import this_machine
-from engine.measure.probes import held_out_edits
+from engine.measure.probes import held_out_views
 from engine.measure.settings import settings_from
-from engine.measure.sweep import STEP, time_frames
+from engine.measure.sweep import STEP, judged_on, time_frames
 from engine.measure.timing import PhaseClock, repeat, stopwatch
 from engine.methods import METHODS, prepare
 from engine.methods.base import Progress, silent
 from engine.methods.direct_to_indirect import Transfer
 from engine.methods.fixed_view.tiles import pixel_tiles, run_tiles
+from engine.methods.glossy_prt import Prt
 from engine.reference import render
 from engine.scene.edits import Edits, apply
 from engine.scene.scene import Scene
@@ -39,6 +40,7 @@ def bench(
     progress: Progress = silent,
     changes: Mapping[str, Any] | None = None,
     *,
+    method: str = METHOD,
     against_rivals: bool = False,
 ) -> dict[str, Any]:
     """Precompute and frame times of every scene at the method's defaults, as JSON.
@@ -52,16 +54,20 @@ def bench(
         import engine.measure.rivals  # noqa: F401  # what is missing is said before the work
     machine = this_machine()
     bandwidth = machine.memory_read_gb_s * 1e9
-    settings = settings_from(METHODS[METHOD].settings, changes or {})
-    found = [_bench_scene(s, settings, bandwidth, progress, against_rivals) for s in scenes]
+    settings = settings_from(METHODS[method].settings, changes or {})
+    found = [_bench_scene(s, method, settings, bandwidth, progress, against_rivals) for s in scenes]
     return finite({**provenance(), "machine": machine.as_dict(), "scenes": found})
 
 
-def product_rate(product: Transfer) -> float:
-    """Bytes of the matrices that their products with a light read per second.
+def product_rate(product: Transfer | Prt) -> float:
+    """Bytes of the transport that its products with a light read per second.
 
     The time of each is the median of its products alone, with nothing else of a frame in it.
     """
+    if isinstance(product, Prt):
+        texels = 6 * product.settings.light_texels**2
+        light = np.random.default_rng(1).normal(size=(texels, 3)).astype(np.float32)
+        return product.bytes / repeat(lambda: product.multiply(light), PRODUCTS).median
     camera = product.view.scene.camera
     pixels, samples = camera.width * camera.height, len(product.cloud)
     light = np.random.default_rng(1).normal(size=(samples, 3)).astype(np.float32)
@@ -80,20 +86,30 @@ def product_rate(product: Transfer) -> float:
 
 
 def _bench_scene(
-    scene: Scene, settings: Any, bandwidth: float, progress: Progress, against_rivals: bool
+    scene: Scene,
+    method: str,
+    settings: Any,
+    bandwidth: float,
+    progress: Progress,
+    against_rivals: bool,
 ) -> dict[str, Any]:
-    edits = held_out_edits(scene, EDITS, seed=1)
+    scene, edits = judged_on(scene, [method], EDITS, seed=1)
     with tempfile.TemporaryDirectory(prefix="relight-bench-") as folder:
         clock = PhaseClock(progress)
         product: Any = None
 
         def make() -> None:
             nonlocal product
-            product = prepare(scene, METHOD, settings, store=Store(Path(folder)), progress=clock)
+            product = prepare(scene, method, settings, store=Store(Path(folder)), progress=clock)
 
         precompute = stopwatch(make)
         clock.stop()
         _, timing, parts = time_frames(product, edits, REPEATS, STEP * scene.diagonal)
+        by_light = _by_light(edits, timing.seconds)
+        if "camera" in METHODS[method].edits:
+            views = held_out_views(scene, EDITS, seed=1)
+            _, viewing, _ = time_frames(product, views, REPEATS, STEP * scene.diagonal)
+            by_light["the camera moved"] = viewing.median
         rate = product_rate(product)
         against = {}
         if against_rivals:
@@ -111,7 +127,7 @@ def _bench_scene(
         "width": camera.width,
         "height": camera.height,
         "triangles": len(scene.geometry.triangles),
-        "method": METHOD,
+        "method": method,
         "settings": dataclasses.asdict(settings),
         "precompute_seconds": precompute,
         "phase_seconds": clock.seconds,
@@ -120,7 +136,7 @@ def _bench_scene(
             "median": timing.median,
             "p95": timing.p95,
             "parts": parts,
-            "lights": _by_light(edits, timing.seconds),
+            "lights": by_light,
         },
         "reference": {
             "samples": result.samples,
@@ -139,9 +155,12 @@ def _bench_scene(
 
 
 def _by_light(edits: Sequence[Edits], seconds: Sequence[float]) -> dict[str, float]:
-    """Median seconds by what each edit moves: one of the scene's lights, or a new one of a type."""
+    """Median seconds by what each edit moves: the environment, a light, or a new one of a type."""
     times: dict[str, list[float]] = {}
     for turn, took in enumerate(seconds):
+        if edits[turn % len(edits)].environment is not None:
+            times.setdefault("the environment turned", []).append(took)
+            continue
         light = (edits[turn % len(edits)].lights or [{}])[-1]
         name = f"a new {light['type']} light" if "type" in light else f"{light['id']!r} moved"
         times.setdefault(name, []).append(took)

@@ -100,7 +100,7 @@ def _lines(document: dict[str, Any]) -> dict[tuple[str, str], list[Point]]:
 def _set_up_axes(axes: Axes, document: dict[str, Any]) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.set_xlabel("light edit to linear frame, median (ms)")
+    axes.set_xlabel("edit to linear frame, median (ms)")
     axes.set_ylabel("relative L² error without edges (%)")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
@@ -215,7 +215,7 @@ def _title(document: dict[str, Any]) -> str:
 
 def _caption(document: dict[str, Any]) -> str:
     return (
-        f"mean of {len(document['edits'])} light edits unseen by the precompute (seed "
+        f"mean of {len(document['edits'])} edits unseen by the precompute (seed "
         f"{document['seed']}); {machine_caption(document)}"
     )
 

@@ -57,6 +57,18 @@ def held_out_turns(scene: Scene, count: int, seed: int) -> list[Edits]:
     return [Edits(environment={"rotation_degrees": round(float(angle), 2)}) for angle in angles]
 
 
+def held_out_views(scene: Scene, count: int, seed: int) -> list[Edits]:
+    """`count` places of the camera round its target, as far off and as high as it is."""
+    target = np.array(scene.camera.target)
+    x, y, z = np.array(scene.camera.position) - target
+    edits = []
+    for angle in np.random.default_rng(seed).uniform(-np.pi, np.pi, count):
+        c, s = np.cos(angle), np.sin(angle)
+        place = target + np.array([c * x + s * z, y, c * z - s * x])
+        edits.append(Edits(camera={"position": _rounded(place)}))
+    return edits
+
+
 def many_lights(scene: Scene, count: int, seed: int) -> tuple[PointLight, ...]:
     """`count` white point lights in the open, in all as bright as one probe."""
     rng = np.random.default_rng(seed)
@@ -72,14 +84,17 @@ def many_lights(scene: Scene, count: int, seed: int) -> tuple[PointLight, ...]:
 def nudged(edits: Edits, step: float) -> Edits:
     """The same edits moved on by a little.
 
-    Every light that has a position by `step` metres along x, a turned environment by TURN degrees
-    for every thousandth of that.
+    Every light that has a position, and the camera, by `step` metres along x; a turned environment
+    by TURN degrees for every thousandth of that.
     """
     if edits.environment is not None and "rotation_degrees" in edits.environment:
         angle = edits.environment["rotation_degrees"] + TURN * step * 1000
         return edits.model_copy(
             update={"environment": {**edits.environment, "rotation_degrees": angle}}
         )
+    if edits.camera is not None:
+        x, y, z = edits.camera["position"]
+        return edits.model_copy(update={"camera": {"position": (x + step, y, z)}})
     lights = [dict(light) for light in edits.lights or []]
     for light in lights:
         if light.get("position") is not None:

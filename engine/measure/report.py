@@ -39,7 +39,7 @@ def _rows(scenes: list[dict[str, Any]]) -> list[tuple[str, list[str]]]:
         row("precompute", "precompute_seconds", unit="s"),
         *(row(f"  {name}", "phase_seconds", name, unit="s") for name in phases),
         row("transport", "bytes", unit="MB", factor=1e-6),
-        row("light edit to linear frame, median", "frame_seconds", "median", unit="ms", factor=1e3),
+        row("edit to linear frame, median", "frame_seconds", "median", unit="ms", factor=1e3),
         row("  95th percentile", "frame_seconds", "p95", unit="ms", factor=1e3),
         *(
             row(f"  {name}", "frame_seconds", "lights", name, unit="ms", factor=1e3)

@@ -95,18 +95,19 @@ class Prt:
     def lit(self, environment: Environment | None) -> NDArray[np.float32]:
         """(rows, 3) float32: light-dependent vectors of all vertices; the last ones are kept."""
         if self._lit is None or not is_same(self._lit[0], environment):
-            light = self._light.coefficients(environment)
-            rows = int(
-                sum(len(v.length) * t.count for v, t in zip(self.direct, self.terms, strict=True))
-            )
-            out = np.zeros((rows, 3), np.float32)
-            for vectors in self._sets:
-                for m, (start, v) in enumerate(vectors):
-                    channels = v.scale.shape[1] // self.terms[m].count
-                    part = multiply_vectors(start, *v[1:], light, channels)
-                    out[self._maps.first[m] : self._maps.first[m] + len(part)] += part
-            self._lit = environment, out
+            self._lit = environment, self.multiply(self._light.coefficients(environment))
         return self._lit[1]
+
+    def multiply(self, light: NDArray[np.float32]) -> NDArray[np.float32]:
+        """(rows, 3) float32: all vectors times the Haar coefficients (6 n², 3) of a light."""
+        each = zip(self.direct, self.terms, strict=True)
+        out = np.zeros((sum(len(v.length) * t.count for v, t in each), 3), np.float32)
+        for vectors in self._sets:
+            for m, (start, v) in enumerate(vectors):
+                channels = v.scale.shape[1] // self.terms[m].count
+                part = multiply_vectors(start, *v[1:], light, channels)
+                out[self._maps.first[m] : self._maps.first[m] + len(part)] += part
+        return out
 
     def _seen(self, camera: Camera, scale: int) -> View:
         if self._view is None or self._view[:2] != (camera, scale):
