@@ -59,17 +59,20 @@ def to_haar(texels):
 
 
 @njit
-def keep_largest(values, weight, most, base, scale, place, steps):
+def keep_largest(values, weight, most, tolerance, base, scale, place, steps):
     """Keep at most `most` places of a vector (6 n², c), the scaling ones among them.
 
-    weight (c,) float32 tells how much the channels count against each other. Fills base (6, c),
+    weight (c,) float32 tells how much the channels count against each other. Fewer are kept where
+    what is left out is no more than the part `tolerance` of the vector's norm. Fills base (6, c),
     scale (c,) and the first entries of place (most,) and steps (most, c); returns how many those
     are. `values` is used up.
     """
     size, channels = values.shape[0] // FACES, values.shape[1]
+    whole = 0.0
     for f in range(FACES):
         for c in range(channels):
             base[f, c] = values[f * size, c]
+            whole += (weight[c] * values[f * size, c]) ** 2
             values[f * size, c] = 0.0
     scale[:] = 0.0
     for i in range(values.shape[0]):
@@ -78,20 +81,29 @@ def keep_largest(values, weight, most, base, scale, place, steps):
     scale /= STEPS
     # Candidates, and the power that one must have to be among the largest.
     power, here = np.zeros(values.shape[0], np.float32), np.zeros(values.shape[0], np.int32)
-    count = 0
+    count, lost = 0, 0.0
     for i in range(values.shape[0]):
         total, told = np.float32(0), False
         for c in range(channels):
             value = values[i, c]
             told |= abs(value) > 0.5 * scale[c]
             total += (weight[c] * value) * (weight[c] * value)
+        whole += total
         if told:
             power[count], here[count] = total, i
             count += 1
+        else:
+            lost += total
     room = most - FACES
-    bar = np.float32(-1)
-    if count > room:
-        bar = np.partition(power[:count], count - room)[count - room] if room > 0 else np.inf
+    ranked = np.sort(power[:count])
+    least = max(0, count - room)
+    for j in range(least):
+        lost += ranked[j]
+    while least < count and lost + ranked[least] <= tolerance * tolerance * whole:
+        lost += ranked[least]
+        least += 1
+    bar = ranked[least] if least < count else np.float32(np.inf)
+    room = count - least
     kept = 0
     for j in range(count):
         if power[j] >= bar and kept < room:
@@ -104,7 +116,12 @@ def keep_largest(values, weight, most, base, scale, place, steps):
 
 
 def added(
-    a: WaveletVectors, b: WaveletVectors, weight: NDArray[np.float32], most: int, n: int
+    a: WaveletVectors,
+    b: WaveletVectors,
+    weight: NDArray[np.float32],
+    most: int,
+    tolerance: float,
+    n: int,
 ) -> WaveletVectors:
     """The sums of vectors of the same channels, on cube maps of n x n texels a face."""
     rows, channels = a.scale.shape
@@ -114,7 +131,7 @@ def added(
     steps = np.zeros((rows, most, channels), np.int8)
     for_ranges(
         _add_pairs, rows, a.start, *a[1:], b.start, *b[1:], FACES * n * n,
-        weight, most, length, base, scale, place, steps, grain=256,
+        weight, most, tolerance, length, base, scale, place, steps, grain=256,
     )  # fmt: skip
     kept = np.arange(most) < length[:, None]
     return WaveletVectors(length, base, scale, place[kept], steps[kept])
@@ -124,14 +141,16 @@ def added(
 def _add_pairs(
     begin, end, a_start, a_base, a_scale, a_place, a_steps,
     b_start, b_base, b_scale, b_place, b_steps, texels,
-    weight, most, length, base, scale, place, steps,
+    weight, most, tolerance, length, base, scale, place, steps,
 ):  # fmt: skip
     values = np.zeros((texels, scale.shape[1]), np.float32)
     for i in range(begin, end):
         values[:] = 0.0
         spread(a_start, a_base, a_scale, a_place, a_steps, i, values)
         spread(b_start, b_base, b_scale, b_place, b_steps, i, values)
-        length[i] = keep_largest(values, weight, most, base[i], scale[i], place[i], steps[i])
+        length[i] = keep_largest(
+            values, weight, most, tolerance, base[i], scale[i], place[i], steps[i]
+        )
 
 
 @njit

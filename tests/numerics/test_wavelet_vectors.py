@@ -19,7 +19,9 @@ N = 8
 TEXELS = 6 * N * N
 
 
-def kept(texels: NDArray, most: int, weight: NDArray | None = None) -> WaveletVectors:
+def kept(
+    texels: NDArray, most: int, weight: NDArray | None = None, tolerance: float = 0.0
+) -> WaveletVectors:
     """Vectors of cube maps (r, TEXELS, c)."""
     rows, _, channels = texels.shape
     weight = np.ones(channels, np.float32) if weight is None else weight
@@ -29,7 +31,9 @@ def kept(texels: NDArray, most: int, weight: NDArray | None = None) -> WaveletVe
     for i in range(rows):
         values = np.array(texels[i], np.float32)
         to_haar(values)
-        length[i] = keep_largest(values, weight, most, base[i], scale[i], place[i], steps[i])
+        length[i] = keep_largest(
+            values, weight, most, tolerance, base[i], scale[i], place[i], steps[i]
+        )
     used = np.arange(most) < length[:, None]
     return WaveletVectors(length, base, scale, place[used], steps[used])
 
@@ -89,7 +93,17 @@ def test_more_places_never_make_it_worse() -> None:
     assert (np.diff(errors) < 0).all()
 
 
+@pytest.mark.parametrize("tolerance", [0.02, 0.1, 0.5])
+def test_a_tolerance_is_held_and_used(tolerance: float) -> None:
+    texels = noise(1, 4)
+    found = kept(texels, TEXELS, tolerance=tolerance)
+    off = np.linalg.norm(dense(found, N) - texels, axis=1) / np.linalg.norm(texels, axis=1)
+    assert (off < tolerance + 0.02).all()
+    assert (off > 0.7 * tolerance).all()
+    assert (found.length < TEXELS - 6).all()
+
+
 def test_sums() -> None:
     a, b = kept(noise(), TEXELS), kept(noise()[::-1], TEXELS)
-    found = dense(added(a, b, np.ones(2, np.float32), TEXELS, N), N)
+    found = dense(added(a, b, np.ones(2, np.float32), TEXELS, 0.0, N), N)
     assert np.abs(found - dense(a, N) - dense(b, N)).max() < 0.2

@@ -43,6 +43,7 @@ class Job:
     visibility_texels: int
     coarse_texels: int
     coefficients: int
+    tolerance: float
 
     @property
     def chunks(self) -> int:
@@ -69,7 +70,7 @@ def direct_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     _project(
         v.normal[s], v.tangent[s], opened, (job.visibility_texels // n) ** 2,
         cube_map.directions(n), cube_map.vector_areas(n), light, size,
-        job.terms.weight_of(job.terms.channels), most, length, base, scale, place, steps,
+        job.terms.weight_of(job.terms.channels), most, job.tolerance, length, base, scale, place, steps,
     )  # fmt: skip
     kept = np.arange(most) < length[:, None]
     return {
@@ -85,14 +86,16 @@ def direct_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
 @njit(cache=True, nogil=True)
 def _project(
     normal, tangent, opened, parts, directions, areas, light, size,
-    weight, most, length, base, scale, place, steps,
+    weight, most, tolerance, length, base, scale, place, steps,
 ):  # fmt: skip
     values = np.zeros((opened.shape[1], light.shape[1]), np.float32)
     for i in range(opened.shape[0]):
         values[:] = 0.0
         _sample(normal, tangent, i, opened, parts, directions, areas, light, size, values)
         to_haar(values)
-        length[i] = keep_largest(values, weight, most, base[i], scale[i], place[i], steps[i])
+        length[i] = keep_largest(
+            values, weight, most, tolerance, base[i], scale[i], place[i], steps[i]
+        )
 
 
 @njit(nogil=True)

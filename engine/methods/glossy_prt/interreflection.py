@@ -68,6 +68,7 @@ class Job:
     gather_texels: int
     light_texels: int
     coefficients: int
+    tolerance: float
     channels: int
 
     @property
@@ -122,7 +123,8 @@ def bounce_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
         first, np.searchsorted(vertex, np.arange(count + 1)), cell, hits.triangle, hits.b1, hits.b2,
         directions, areas, job.scene.geometry, job.scene.material_table, v, job.maps, job.sources,
         job.terms.flat, job.terms.light.shape[0], job.terms.count, job.terms.channels,
-        job.channels, cube_map.FACES * n * n, weight, most, length, base, scale_, place, steps,
+        job.channels, cube_map.FACES * n * n, weight, most, job.tolerance,
+        length, base, scale_, place, steps,
     )  # fmt: skip
     kept = np.arange(most) < length[:, None]
     return {
@@ -137,7 +139,7 @@ def bounce_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
 @njit(cache=True, nogil=True)
 def _gather(
     first, ray, cell, triangle, b1, b2, directions, areas, geometry, materials, vertices, maps,
-    sources, light, size, terms, light_channels, channels, texels, weight, most,
+    sources, light, size, terms, light_channels, channels, texels, weight, most, tolerance,
     length, base, scale_, place, steps,
 ):  # fmt: skip
     geometry, materials, maps = borrow(geometry), borrow(materials), borrow(maps)
@@ -192,7 +194,9 @@ def _gather(
             slot[v] = -1
             m = vertices.material[v]
             _add(sources, v, maps.terms[m], sources.channels[m], factor[q], terms, values)
-        length[i] = keep_largest(values, weight, most, base[i], scale_[i], place[i], steps[i])
+        length[i] = keep_largest(
+            values, weight, most, tolerance, base[i], scale_[i], place[i], steps[i]
+        )
 
 
 @njit(nogil=True)

@@ -84,6 +84,7 @@ class _Run:
                 visibility_texels=s.visibility_texels,
                 coarse_texels=s.coarse_texels,
                 coefficients=s.coefficients,
+                tolerance=s.tolerance,
             )
 
         return [
@@ -104,7 +105,7 @@ class _Run:
                 total = last
             else:
                 total = [
-                    added(a, b, t.weight_of(channels), s.bounce_coefficients, n)
+                    added(a, b, t.weight_of(channels), s.bounce_coefficients, s.tolerance, n)
                     for a, b, t in zip(total, last, self.terms, strict=True)
                 ]
             ratio = min(0.99, energy[-1] / max(energy[-2], 1e-30))
@@ -129,6 +130,7 @@ class _Run:
             gather_texels=s.gather_texels,
             light_texels=s.light_texels,
             coefficients=s.bounce_coefficients,
+            tolerance=s.tolerance,
             channels=channels,
         )
         return self._stored(f"bounce-{number}-{m}", partial(bounce_chunk, job), job.chunks)

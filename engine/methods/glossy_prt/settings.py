@@ -18,6 +18,9 @@ class Settings:
     """N_l, wavelets that the transport vectors of a vertex keep, the same for all terms: 6 to 4096
     (§4.1.1)."""
 
+    tolerance: float = 0.01
+    """Part of a vector's norm that may be left out even where there is room for it: 0 to 1."""
+
     light_texels: int = 64
     """Texels along a face of the light's cube map: 8, 16, 32, 64 or 128 (§4.1)."""
 
@@ -50,6 +53,7 @@ class Settings:
             ("brdf_texels", 8, 128),
             ("bounces", 0, 16),
             ("remaining", 0, 1),
+            ("tolerance", 0, 1),
             ("bounce_coefficients", 6, 4096),
         ):
             value = getattr(self, name)
