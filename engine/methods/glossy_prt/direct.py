@@ -70,7 +70,8 @@ def direct_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     _project(
         v.normal[s], v.tangent[s], opened, (job.visibility_texels // n) ** 2,
         cube_map.directions(n), cube_map.vector_areas(n), light, size,
-        job.terms.weight_of(job.terms.channels), most, job.tolerance, length, base, scale, place, steps,
+        job.terms.weight_of(job.terms.channels), most, job.tolerance,
+        length, base, scale, place, steps,
     )  # fmt: skip
     kept = np.arange(most) < length[:, None]
     return {
