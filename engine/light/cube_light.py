@@ -44,6 +44,7 @@ class CubeLight:
 
     def __init__(self, n: int) -> None:
         self._n, self._width, self._height = n, PIXELS * n, PIXELS * n // 2
+        self._solid = cube_map.solid_angles(n)[:, None].astype(np.float32)
         self._known: NDArray[np.float32] | None = None
         self._map: NDArray[np.float32] = np.zeros((self._height, self._width, 3), np.float32)
 
@@ -64,8 +65,12 @@ class CubeLight:
         return out
 
     def coefficients(self, environment: Environment | None) -> NDArray[np.float32]:
-        """(6 n², 3) float32: the radiance in the Haar basis of every face."""
-        return in_haar(self.radiance(environment))
+        """(6 n², 3) float32: radiance times solid angle in the Haar basis of every face.
+
+        The solid angle goes with the light, which is kept whole, and not with the transport: what
+        that is then left with is smooth wherever visibility is, and needs fewer wavelets.
+        """
+        return in_haar(self.radiance(environment) * self._solid)
 
 
 def in_haar(texels: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -30,7 +31,7 @@ def pixels(response: Response) -> NDArray[np.float64]:
 
 
 def frame(
-    client: Client, edits: object = None, accept: str = "image/png", **query: float
+    client: Client, edits: object = None, accept: str = "image/png", **query: float | str
 ) -> Response:
     return client.post(FRAME, json=edits or {}, params=query, headers={"Accept": accept})
 
@@ -237,3 +238,26 @@ def test_a_scene_that_cannot_be_opened_says_why(tmp_path: Path, serving: Serving
         assert response.json()["file"] == "broken.json"
         assert str(tmp_path) not in response.text
         assert client.post("/api/scenes/broken/frame", json={}).status_code == 422
+
+
+def test_another_method_by_name(
+    tiny_scene: Path, serving: Serving, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Until its product is there light is direct; then any camera is drawn by it."""
+    monkeypatch.setenv("RELIGHT_STORE", str(tmp_path))
+    app = create_app([str(tiny_scene)], precompute_at_start=False)
+    with serving(app) as address, Client(base_url=address, timeout=120) as client:
+        settings = {"light_texels": 16, "visibility_texels": 16, "bounces": 0}
+        wanted = {"method": "glossy_prt", "settings": settings}
+        job = client.post("/api/scenes/tiny-box/precompute", json=wanted).json()
+        while client.get(f"/api/jobs/{job['id']}").json()["status"] in ("queued", "running"):
+            time.sleep(0.2)
+        edits = {"environment": {"map": [1, 1, 1]}, "camera": {"position": [0.3, 0.3, -0.7]}}
+        response = frame(client, edits, method="glossy_prt")
+        header = json.loads(response.headers["relight-frame"])
+        assert header["method"] == "glossy_prt"
+        assert header["job"] is None
+        assert pixels(response).max() > 0
+        refused = frame(client, {"lights": [{"id": "key", "enabled": False}]}, method="glossy_prt")
+        assert refused.status_code == 422
+        assert frame(client, method="nonsense").status_code == 404

@@ -17,7 +17,7 @@ from engine.methods import prepare
 from engine.methods.glossy_prt import Prt, Settings
 from engine.reference import render
 from engine.scene.build import build
-from engine.scene.edits import Edits
+from engine.scene.edits import Edits, apply
 from engine.scene.open import describe
 from engine.scene.scene import Scene
 from engine.store import Store
@@ -82,15 +82,20 @@ def test_sharp_lobes_keep_little_of_themselves_in_four_terms(
 
 
 def test_a_one_texel_sun(make: Make, tmp_path: Path) -> None:
-    """All of its light arrives, from where it stands."""
+    """Its light arrives from where it stands, 5 % off; where it grazes, 128 wavelets are too few.
+
+    The side that turns from the sun, which has little of its light, shows twice as much.
+    """
     image = np.zeros((128, 256, 3), np.float32)
-    image[30, 100] = 1e5
+    image[30, 230] = 1e4
     write_image(tmp_path / "sun.exr", image)
     made = scene_in(tmp_path, "sun.exr")
-    found = make(made, light_texels=64, visibility_texels=128).relight(Edits()).image
-    true = render(made, samples=64, max_bounces=1).image
-    assert found.sum() == pytest.approx(true.sum(), rel=0.03)
-    assert off(found, true) < 0.1
+    product = make(made, light_texels=64, visibility_texels=128)
+    for turn, sum_off, most in ((0, 0.03, 0.08), (150, 1.2, 0.7)):
+        true = render(apply(made, sky(rotation_degrees=turn)), samples=64, max_bounces=1).image
+        found = product.relight(sky(rotation_degrees=turn)).image
+        assert found.sum() == pytest.approx(true.sum(), rel=sum_off)
+        assert off(found, true) < most
 
 
 def scene_in(folder: Path, map_: str) -> Scene:

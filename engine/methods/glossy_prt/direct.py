@@ -2,15 +2,16 @@
 
 Of vertex x and term k (eq. 3), over the texels ω of a cube map,
 
-    T_k(x, ω) = g_k(ω) V(x, ω) ∫ n·ω dω
+    T_k(x, ω) = g_k(ω) V(x, ω) n·ω
 
-with the visible part of the texel V and the exact integral of the cosine over it. All texels of an
-open vertex together are made to sum to π, so that white light gives what it ought to.
+with the visible part of the texel V and the exact mean of the cosine over it. The cosines of an
+open vertex are made to integrate to π, so that white light gives what it ought to.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -57,7 +58,7 @@ def direct_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     s = slice(first, min(first + CHUNK, job.first + job.count))
     v, n = job.vertices, job.light_texels
     opened, rays = open_parts(
-        job.rays, v.position[s], v.normal[s],
+        job.rays, v.eye[s], v.normal[s],
         light=n, fine=job.visibility_texels, coarse=job.coarse_texels,
     )  # fmt: skip
     light, most = job.terms.flat, job.coefficients
@@ -69,7 +70,7 @@ def direct_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     steps = np.zeros((len(opened), most, channels), np.int8)
     _project(
         v.normal[s], v.tangent[s], opened, (job.visibility_texels // n) ** 2,
-        cube_map.directions(n), cube_map.vector_areas(n), light, size,
+        cube_map.directions(n), _mean_directions(n), cube_map.solid_angles(n), light, size,
         job.terms.weight_of(job.terms.channels), most, job.tolerance,
         length, base, scale, place, steps,
     )  # fmt: skip
@@ -84,15 +85,21 @@ def direct_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     }
 
 
+@cache
+def _mean_directions(n: int) -> NDArray[np.float64]:
+    """(6 n², 3): times a normal, the mean cosine over each texel."""
+    return cube_map.vector_areas(n) / cube_map.solid_angles(n)[:, None]
+
+
 @njit(cache=True, nogil=True)
 def _project(
-    normal, tangent, opened, parts, directions, areas, light, size,
+    normal, tangent, opened, parts, directions, means, solid, light, size,
     weight, most, tolerance, length, base, scale, place, steps,
 ):  # fmt: skip
     values = np.zeros((opened.shape[1], light.shape[1]), np.float32)
     for i in range(opened.shape[0]):
         values[:] = 0.0
-        _sample(normal, tangent, i, opened, parts, directions, areas, light, size, values)
+        _sample(normal, tangent, i, opened, parts, directions, means, solid, light, size, values)
         to_haar(values)
         length[i] = keep_largest(
             values, weight, most, tolerance, base[i], scale[i], place[i], steps[i]
@@ -100,19 +107,19 @@ def _project(
 
 
 @njit(nogil=True)
-def _sample(normal, tangent, i, opened, parts, directions, areas, light, size, values):
+def _sample(normal, tangent, i, opened, parts, directions, means, solid, light, size, values):
     """Fill values (6 n², c) with the transport of vertex i; channels as in `Terms.flat`."""
     s, t, n = frame(normal, tangent, i)
     whole = 0.0
     for j in range(opened.shape[1]):
-        whole += max(0.0, dot(n, vec(areas, j)))
+        whole += max(0.0, dot(n, vec(means, j))) * solid[j]
     if whole == 0.0:  # no normal
         return
     unit = np.pi / (whole * parts)
     for j in range(opened.shape[1]):
         if opened[i, j] == 0:
             continue
-        cosine = dot(n, vec(areas, j))
+        cosine = dot(n, vec(means, j))
         if cosine <= 0.0:
             continue
         weight = unit * opened[i, j] * cosine

@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from engine.methods.glossy_prt.terms import Terms
 from engine.methods.glossy_prt.vertices import Vertices, frame
 from engine.methods.glossy_prt.views import Maps, corner_views
-from engine.methods.glossy_prt.visibility import LIFT
 from engine.numerics import cube_map
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import to_local
@@ -109,8 +108,7 @@ def bounce_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     areas = cube_map.vector_areas(job.gather_texels)
     above = v.normal[s].astype(np.float64) @ areas.T > 0
     vertex, cell = np.nonzero(above)
-    start = v.position[s] + np.float32(LIFT * rays.epsilon) * v.normal[s]
-    hits = rays.intersect(start[vertex], directions.astype(np.float32)[cell])
+    hits = rays.intersect(v.eye[s][vertex], directions.astype(np.float32)[cell])
     most, n = job.coefficients, job.light_texels
     count, channels = len(above), job.terms.count * job.channels
     length = np.zeros(count, np.int32)

@@ -27,7 +27,7 @@ from engine.numerics.wavelet_vectors import WaveletVectors, added
 from engine.scene.scene import Scene
 from engine.store import Entry, Store
 
-VERSION = 1  # of the stored arrays and of what they mean
+VERSION = 2  # of the stored arrays and of what they mean
 
 
 def precompute(
@@ -96,11 +96,11 @@ class _Run:
         """(sum of the passes, part of all light that would still follow)."""
         s, n = self.settings, self.settings.light_texels
         channels = 1 if all(map(_is_grey, self.terms)) and not _textured(self.terms) else 3
-        last, total, energy = direct, None, [_energy(direct, self.terms, n)]
+        last, total, energy = direct, None, [_energy(direct, self.terms)]
         left = 0.0
         for number in range(1, s.bounces + 1):
             last = [self._bounce(number, m, last, channels) for m in range(len(self.terms))]
-            energy.append(_energy(last, self.terms, n))
+            energy.append(_energy(last, self.terms))
             if total is None:
                 total = last
             else:
@@ -159,11 +159,11 @@ def _textured(terms: list[Terms]) -> bool:
     return any(t.textured for t in terms)
 
 
-def _energy(vectors: list[WaveletVectors], terms: list[Terms], n: int) -> float:
-    """What all vertices together make of white light: the mean of what their vectors sum to."""
+def _energy(vectors: list[WaveletVectors], terms: list[Terms]) -> float:
+    """What all vertices together make of white light: the mean of what their vectors sum to, up to a factor."""
     return sum(
         float(np.abs(v.base.sum(axis=1) * t.weight_of(v.scale.shape[1] // t.count)).sum())
-        * n * t.count / v.scale.shape[1]
+        * t.count / v.scale.shape[1]
         for v, t in zip(vectors, terms, strict=True)
     )  # fmt: skip
 

@@ -13,6 +13,8 @@ from engine.numerics.frames import tangents
 from engine.numerics.vec import cross, dot, normalize, scale, sub, vec
 from engine.scene.scene import Scene
 
+LIFT = 4.0  # of the ray tracer's epsilon: vertices have no one plane that they could be moved off
+INWARD = 0.5  # of the way to the middle of the triangles around
 ALIKE = 0.7  # cosine: frames at the corners of a triangle that are turned by less are one field
 
 
@@ -20,6 +22,8 @@ class Vertices(NamedTuple):
     """Sorted by material, and for each by place, so that neighbours in space are near in memory.
 
     position  (v, 3) float32   metres
+    eye       (v, 3) float32   from where its surroundings are looked at: a little further in, on
+                               its own triangles, where the vertex lies in a corner of the room
     normal    (v, 3) float32   unit, for shading
     tangent   (v, 3) float32   unit, x axis of the local frame; along the grain of a brushed surface
     material  (v,) int32
@@ -28,6 +32,7 @@ class Vertices(NamedTuple):
     """
 
     position: NDArray[np.float32]
+    eye: NDArray[np.float32]
     normal: NDArray[np.float32]
     tangent: NDArray[np.float32]
     material: NDArray[np.int32]
@@ -56,8 +61,10 @@ def build_vertices(scene: Scene) -> Vertices:
     _frames(normal, given, tangent)
     smooth = np.zeros(len(corners), np.bool_)
     _compare(corners, tangent, smooth)
+    position = np.ascontiguousarray(geometry.positions[pairs[:, 1]])
     return Vertices(
-        np.ascontiguousarray(geometry.positions[pairs[:, 1]]),
+        position,
+        _further_in(position, normal, corners, scene.rays.epsilon),
         normal,
         tangent,
         pairs[:, 0].astype(np.int32),
@@ -73,6 +80,27 @@ def _morton(cell: NDArray[np.int64]) -> NDArray[np.int64]:
         for axis in range(3):
             code |= (cell[:, axis] >> bit & 1) << (3 * bit + axis)
     return code
+
+
+def _further_in(
+    position: NDArray[np.float32],
+    normal: NDArray[np.float32],
+    corners: NDArray[np.int32],
+    epsilon: float,
+) -> NDArray[np.float32]:
+    """(v, 3) float32: off the surface, and part of the way to the middle of the triangles around.
+
+    A vertex in the open is that middle already; one at the edge of a wall lies in the plane of the
+    next, half of which it would see from behind.
+    """
+    middle = np.zeros_like(position, dtype=np.float64)
+    count = np.bincount(corners.ravel(), minlength=len(position))
+    centre = position[corners].mean(axis=1, dtype=np.float64)
+    for k in range(3):
+        np.add.at(middle, corners[:, k], centre)
+    step = INWARD * (middle / np.maximum(count, 1)[:, None] - position)
+    step -= np.einsum("ij,ij->i", step, normal)[:, None] * normal
+    return (position + step + LIFT * epsilon * normal).astype(np.float32)
 
 
 @njit(cache=True, nogil=True)

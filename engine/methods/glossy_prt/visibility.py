@@ -19,12 +19,11 @@ from engine.numerics.vec import dot, vec
 from engine.scene.rays import RayTracer
 
 OPEN, BLOCKED, UNKNOWN, BELOW = 0, 1, 2, 3
-LIFT = 4.0  # of the ray tracer's epsilon: vertices have no one plane that they could be moved off
 
 
 def open_parts(
     rays: RayTracer,
-    position: NDArray[np.float32],
+    eye: NDArray[np.float32],
     normal: NDArray[np.float32],
     *,
     light: int,
@@ -33,25 +32,24 @@ def open_parts(
 ) -> tuple[NDArray[np.uint8], int]:
     """((b, 6 light²) uint8, rays traced): how many of a texel's (fine / light)² parts are open.
 
-    position, normal (b, 3) float32 of b vertices; below the horizon of the normal all is closed.
+    eye, normal (b, 3) float32 of b vertices; below the horizon of the normal all is closed.
     `fine` is light or twice that; the coarse map has `coarse` texels along a face, or `fine` where
     that is less.
     """
-    start = position + np.float32(LIFT * rays.epsilon) * normal
     level = min(coarse, fine)
-    known = np.full((len(position), cube_map.FACES * (level // 2) ** 2), UNKNOWN, np.uint8)
+    known = np.full((len(eye), cube_map.FACES * (level // 2) ** 2), UNKNOWN, np.uint8)
     traced = 0
     while True:
         # The last level is not kept cell by cell: a texel whose parts agree is one number.
         last = level == fine and level > light
         cells = known.shape[1] if last else 4 * known.shape[1]
-        state = np.zeros((len(position), cells), np.uint8)
+        state = np.zeros((len(eye), cells), np.uint8)
         asked = np.zeros((4 * known.size, 2), np.int32)
         around = cube_map.neighbours(level // 2)
         count = _refine(known, normal, around, *_cells(level), last, state, asked)
         vertex, cell = asked[:count, 0], asked[:count, 1]
         directions = cube_map.directions(level).astype(np.float32)
-        hit = rays.occluded(start[vertex], directions[cell])
+        hit = rays.occluded(eye[vertex], directions[cell])
         traced += count
         if last:
             np.add.at(state, (vertex[~hit], cell[~hit] // 4), 1)

@@ -176,7 +176,7 @@ def test_of_a_brushed_metal_in_hard_light_four_terms_are_not_enough(make: Make) 
         found = make(made, terms=terms, coefficients=1024).relight(Edits()).image
         errors.append(relative(found, true, kept))
         assert found[kept].sum() == pytest.approx(true[kept].sum(), rel=0.05)
-    assert errors[0] > 2 * errors[1] > 4 * errors[2]
+    assert errors[0] > 1.8 * errors[1] > 3.6 * errors[2]
     assert errors[2] < 0.09
 
 
