@@ -13,6 +13,7 @@ within it: 16 bits.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.numerics import haar
-from engine.numerics.cube_map import FACES
+from engine.numerics.cube_map import FACES, solid_angles
 from engine.numerics.parallel import for_ranges
 
 STEPS = 127  # the largest coefficient of a vector
@@ -59,19 +60,24 @@ def to_haar(texels):
 
 
 @njit
-def keep_largest(values, weight, most, tolerance, base, scale, place, steps):
+def keep_largest(values, white, weight, most, tolerance, base, scale, place, steps):
     """Keep at most `most` places of a vector (6 n², c), the scaling ones among them.
 
     weight (c,) float32 tells how much the channels count against each other. Fewer are kept where
-    what is left out is no more than the part `tolerance` of the vector's norm. Fills base (6, c),
-    scale (c,) and the first entries of place (most,) and steps (most, c); returns how many those
-    are. `values` is used up.
+    what is left out is no more than the part `tolerance` of the vector's norm. The product with
+    white (6 n²,), see `white_light`, is kept as it was by a change of the scaling coefficients.
+    Fills base (6, c), scale (c,) and the first entries of place (most,) and steps (most, c);
+    returns how many those are. `values` is used up.
     """
     size, channels = values.shape[0] // FACES, values.shape[1]
-    whole = 0.0
+    whole, lack = 0.0, np.zeros(channels)
+    for i in range(values.shape[0]):
+        for c in range(channels):
+            lack[c] += white[i] * values[i, c]
     for f in range(FACES):
         for c in range(channels):
             base[f, c] = values[f * size, c]
+            lack[c] -= white[f * size] * base[f, c]
             whole += (weight[c] * values[f * size, c]) ** 2
             values[f * size, c] = 0.0
     scale[:] = 0.0
@@ -111,8 +117,24 @@ def keep_largest(values, weight, most, tolerance, base, scale, place, steps):
             for c in range(channels):
                 step = scale[c]
                 steps[kept, c] = np.int8(round(values[here[j], c] / step)) if step > 0.0 else 0
+                lack[c] -= white[here[j]] * step * steps[kept, c]
             kept += 1
+    for c in range(channels):
+        size_of = 0.0
+        for f in range(FACES):
+            size_of += white[f * size] * abs(base[f, c])
+        if size_of > 0.0:
+            for f in range(FACES):
+                base[f, c] += lack[c] / size_of * abs(base[f, c])
     return kept
+
+
+@cache
+def white_light(n: int) -> NDArray[np.float32]:
+    """(6 n²,): Haar coefficients of light of radiance 1 from everywhere, times solid angle."""
+    texels = solid_angles(n)[:, None].astype(np.float32)
+    to_haar(texels)
+    return np.ascontiguousarray(texels[:, 0])
 
 
 def added(
@@ -130,7 +152,7 @@ def added(
     place = np.zeros((rows, most), np.uint16)
     steps = np.zeros((rows, most, channels), np.int8)
     for_ranges(
-        _add_pairs, rows, a.start, *a[1:], b.start, *b[1:], FACES * n * n,
+        _add_pairs, rows, a.start, *a[1:], b.start, *b[1:], white_light(n),
         weight, most, tolerance, length, base, scale, place, steps, grain=256,
     )  # fmt: skip
     kept = np.arange(most) < length[:, None]
@@ -140,16 +162,16 @@ def added(
 @njit(cache=True, nogil=True)
 def _add_pairs(
     begin, end, a_start, a_base, a_scale, a_place, a_steps,
-    b_start, b_base, b_scale, b_place, b_steps, texels,
+    b_start, b_base, b_scale, b_place, b_steps, white,
     weight, most, tolerance, length, base, scale, place, steps,
 ):  # fmt: skip
-    values = np.zeros((texels, scale.shape[1]), np.float32)
+    values = np.zeros((len(white), scale.shape[1]), np.float32)
     for i in range(begin, end):
         values[:] = 0.0
         spread(a_start, a_base, a_scale, a_place, a_steps, i, values)
         spread(b_start, b_base, b_scale, b_place, b_steps, i, values)
         length[i] = keep_largest(
-            values, weight, most, tolerance, base[i], scale[i], place[i], steps[i]
+            values, white, weight, most, tolerance, base[i], scale[i], place[i], steps[i]
         )
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from engine.numerics.cube_map import solid_angles
 from engine.numerics.wavelet_vectors import (
     STEPS,
     WaveletVectors,
@@ -13,6 +14,7 @@ from engine.numerics.wavelet_vectors import (
     dense,
     keep_largest,
     to_haar,
+    white_light,
 )
 
 N = 8
@@ -32,7 +34,7 @@ def kept(
         values = np.array(texels[i], np.float32)
         to_haar(values)
         length[i] = keep_largest(
-            values, weight, most, tolerance, base[i], scale[i], place[i], steps[i]
+            values, white_light(N), weight, most, tolerance, base[i], scale[i], place[i], steps[i]
         )
     used = np.arange(most) < length[:, None]
     return WaveletVectors(length, base, scale, place[used], steps[used])
@@ -54,6 +56,14 @@ def test_constant_faces_are_exact_and_short() -> None:
     found = kept(texels.astype(np.float32), TEXELS)
     assert (found.length == 0).all()
     assert np.allclose(dense(found, N), texels, rtol=1e-6)
+
+
+@pytest.mark.parametrize("most", [6, 20, 100])
+def test_white_light_meets_what_it_did(most: int) -> None:
+    texels = np.abs(noise())
+    before = (texels * solid_angles(N)[:, None]).sum(axis=1)
+    after = (dense(kept(texels, most), N) * solid_angles(N)[:, None]).sum(axis=1)
+    assert np.allclose(after, before, rtol=1e-4)
 
 
 def test_black_has_no_coefficients() -> None:

@@ -25,7 +25,7 @@ from engine.numerics import cube_map
 from engine.numerics.frames import to_local
 from engine.numerics.hemisphere_maps import disk_taps
 from engine.numerics.vec import dot, vec
-from engine.numerics.wavelet_vectors import keep_largest, to_haar
+from engine.numerics.wavelet_vectors import keep_largest, to_haar, white_light
 from engine.scene.rays import RayTracer
 
 CHUNK = 128  # vertices
@@ -71,6 +71,7 @@ def direct_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     _project(
         v.normal[s], v.tangent[s], opened, (job.visibility_texels // n) ** 2,
         cube_map.directions(n), _mean_directions(n), cube_map.solid_angles(n), light, size,
+        white_light(n),
         job.terms.weight_of(job.terms.channels), most, job.tolerance,
         length, base, scale, place, steps,
     )  # fmt: skip
@@ -93,7 +94,7 @@ def _mean_directions(n: int) -> NDArray[np.float64]:
 
 @njit(cache=True, nogil=True)
 def _project(
-    normal, tangent, opened, parts, directions, means, solid, light, size,
+    normal, tangent, opened, parts, directions, means, solid, light, size, white,
     weight, most, tolerance, length, base, scale, place, steps,
 ):  # fmt: skip
     values = np.zeros((opened.shape[1], light.shape[1]), np.float32)
@@ -102,7 +103,7 @@ def _project(
         _sample(normal, tangent, i, opened, parts, directions, means, solid, light, size, values)
         to_haar(values)
         length[i] = keep_largest(
-            values, weight, most, tolerance, base[i], scale[i], place[i], steps[i]
+            values, white, weight, most, tolerance, base[i], scale[i], place[i], steps[i]
         )
 
 

@@ -27,7 +27,7 @@ from engine.numerics.borrow import borrow
 from engine.numerics.frames import to_local
 from engine.numerics.hemisphere_maps import disk_taps
 from engine.numerics.vec import dot, scale, vec
-from engine.numerics.wavelet_vectors import WaveletVectors, keep_largest
+from engine.numerics.wavelet_vectors import WaveletVectors, keep_largest, white_light
 from engine.scene.scene import Scene
 
 CHUNK = 64  # vertices
@@ -121,7 +121,7 @@ def bounce_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
         first, np.searchsorted(vertex, np.arange(count + 1)), cell, hits.triangle, hits.b1, hits.b2,
         directions, areas, job.scene.geometry, job.scene.material_table, v, job.maps, job.sources,
         job.terms.flat, job.terms.light.shape[0], job.terms.count, job.terms.channels,
-        job.channels, cube_map.FACES * n * n, weight, most, job.tolerance,
+        job.channels, white_light(n), weight, most, job.tolerance,
         length, base, scale_, place, steps,
     )  # fmt: skip
     kept = np.arange(most) < length[:, None]
@@ -137,7 +137,7 @@ def bounce_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
 @njit(cache=True, nogil=True)
 def _gather(
     first, ray, cell, triangle, b1, b2, directions, areas, geometry, materials, vertices, maps,
-    sources, light, size, terms, light_channels, channels, texels, weight, most, tolerance,
+    sources, light, size, terms, light_channels, channels, white, weight, most, tolerance,
     length, base, scale_, place, steps,
 ):  # fmt: skip
     geometry, materials, maps = borrow(geometry), borrow(materials), borrow(maps)
@@ -148,7 +148,7 @@ def _gather(
     row, h = np.zeros(materials.row.shape[1], np.float32), np.zeros((3, wide, 3), np.float32)
     g = np.zeros(light.shape[1], np.float32)
     slot = np.full(vertices.position.shape[0], -1, np.int32)
-    values = np.zeros((texels, channels * terms), np.float32)
+    values = np.zeros((len(white), channels * terms), np.float32)
     for i in range(length.shape[0]):
         here = range(ray[i], ray[i + 1])
         s, t, n = frame(vertices.normal, vertices.tangent, first + i)
@@ -193,7 +193,7 @@ def _gather(
             m = vertices.material[v]
             _add(sources, v, maps.terms[m], sources.channels[m], factor[q], terms, values)
         length[i] = keep_largest(
-            values, weight, most, tolerance, base[i], scale_[i], place[i], steps[i]
+            values, white, weight, most, tolerance, base[i], scale_[i], place[i], steps[i]
         )
 
 

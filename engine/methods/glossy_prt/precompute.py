@@ -160,7 +160,7 @@ def _textured(terms: list[Terms]) -> bool:
 
 
 def _energy(vectors: list[WaveletVectors], terms: list[Terms]) -> float:
-    """What all vertices together make of white light: the mean of what their vectors sum to, up to a factor."""
+    """What all vertices together make of white light, up to a factor."""
     return sum(
         float(np.abs(v.base.sum(axis=1) * t.weight_of(v.scale.shape[1] // t.count)).sum())
         * t.count / v.scale.shape[1]
