@@ -145,7 +145,7 @@ def _gather(
     wide = 0
     for m in range(maps.terms.shape[0]):
         wide = max(wide, maps.terms[m])
-    row, h = np.zeros(materials.row.shape[1], np.float32), np.zeros((3, wide, 3), np.float32)
+    row, h = np.zeros(materials.row.shape[1], np.float32), np.zeros((3, 3 * wide), np.float32)
     g = np.zeros(light.shape[1], np.float32)
     slot = np.full(vertices.position.shape[0], -1, np.int32)
     values = np.zeros((len(white), channels * terms), np.float32)
@@ -182,7 +182,7 @@ def _gather(
                 f = factor[slot[v]]
                 for k in range(seen):
                     for c in range(channels):
-                        shine = np.float32(unit * h[corner, k, c])
+                        shine = np.float32(unit * h[corner, 3 * k + c])
                         own = c * terms if light_channels == 3 else 0
                         for q in range(terms):
                             f[k, c * terms + q] += shine * g[own + q]

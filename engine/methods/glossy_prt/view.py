@@ -16,7 +16,7 @@ from engine.methods.glossy_prt.vertices import Vertices
 from engine.methods.glossy_prt.views import Maps, corner_views, first_row
 from engine.numerics.borrow import borrow
 from engine.numerics.parallel import for_ranges
-from engine.numerics.vec import add, mul, normalize, scale, vec
+from engine.numerics.vec import normalize, scale, vec
 from engine.scene.camera import Camera
 from engine.scene.scene import Scene
 
@@ -194,23 +194,29 @@ def shade(
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
 def _shade(start, stop, geometry, materials, vertices, maps, lit, most, seen, out):
     geometry, materials, maps = borrow(geometry), borrow(materials), borrow(maps)
-    vertices, seen = borrow(vertices), borrow(seen)
-    row, h = np.zeros(materials.row.shape[1], np.float32), np.zeros((3, most, 3), np.float32)
+    vertices, seen, flat = borrow(vertices), borrow(seen), borrow(lit.reshape(-1))
+    row, h = np.zeros(materials.row.shape[1], np.float32), np.zeros((3, 3 * most), np.float32)
+    total = np.zeros(3 * most, np.float32)
     for i in range(start, stop):
         t = seen.triangle[i]
         if t < 0:
             continue
-        w = scale(vec(seen.away, i), -1.0)
-        terms = corner_views(
+        m, w = geometry.material[t], scale(vec(seen.away, i), -1.0)
+        wide = 3 * corner_views(
             geometry, materials, vertices, maps, t, seen.b1[i], seen.b2[i], w, row, h
         )
-        total = (0.0, 0.0, 0.0)
+        for q in range(wide):
+            total[q] = 0
         for corner in range(3):
-            first = first_row(maps, vertices, geometry.material[t], vertices.corners[t, corner])
-            for k in range(terms):
-                total = add(total, mul(vec(h[corner], k), vec(lit, first + k)))
+            first = 3 * first_row(maps, vertices, m, vertices.corners[t, corner])
+            g, f = flat[first : first + wide], h[corner]
+            for q in range(wide):
+                total[q] += f[q] * g[q]
         for c in range(3):
-            out[i, c] = max(0.0, total[c]) + materials.emission[geometry.material[t], c]
+            light = np.float32(0)
+            for q in range(c, wide, 3):
+                light += total[q]
+            out[i, c] = max(np.float32(0), light) + materials.emission[m, c]

@@ -26,9 +26,10 @@ class Maps(NamedTuple):
     vertex    (materials,) int64    the first vertex
     terms     (materials,) int32    K
     size      (materials,) int32    texels along a view map
-    texel     (materials,) int64    its first texel in `h`
+    texel     (materials,) int64    its first texel's first term in `h`, in threes
     textured  (materials,) bool     see `Terms`
-    h         (texels, 3) float32   view maps, material by material, texel by texel, term by term
+    h         (numbers,) float32    view maps, material by material, texel by texel, term by term,
+                                    the three channels of each
     """
 
     first: NDArray[np.int64]
@@ -55,7 +56,7 @@ def stack_maps(terms: list[Terms], count: NDArray[np.integer]) -> Maps:
         size=np.array([t.view.shape[0] for t in terms], np.int32),
         texel=before(np.array([len(v) for v in views])),
         textured=np.array([t.textured for t in terms]),
-        h=np.concatenate(views),
+        h=np.concatenate(views).ravel(),
     )
 
 
@@ -65,12 +66,13 @@ def first_row(maps, vertices, material, vertex):
     return maps.first[material] + (vertex - maps.vertex[material]) * maps.terms[material]
 
 
-@njit
+@njit(fastmath={"contract", "reassoc"})
 def corner_views(geometry, materials, vertices, maps, t, b1, b2, w, row, out):
-    """Fill out (3, K, 3): h_k(w) for each corner of triangle t, times the corner's barycentric.
+    """Fill out (3, 3 K): h_k(w) for each corner of triangle t, times the corner's barycentric.
 
-    What is seen from direction w at (b1, b2) is the sum over corners and terms of that times the
-    light-dependent vectors. Returns K, 0 where the triangle shows its back. row (ROW,) is scratch.
+    Three channels of every term. What is seen from direction w at (b1, b2) is the sum over corners
+    and terms of that times the light-dependent vectors. Returns K, 0 where the triangle shows its
+    back. row (ROW,) is scratch.
     """
     if dot(surface.geometric_normal(geometry, t), w) <= 0.0:
         return 0
@@ -80,32 +82,38 @@ def corner_views(geometry, materials, vertices, maps, t, b1, b2, w, row, out):
     if maps.textured[m]:
         surface.parameters(geometry, materials, t, b1, b2, w, row)
         tint = diffuse_colour(row)
-    weights = (1.0 - b1 - b2, np.float64(b1), np.float64(b2))
-    if size == 1:  # a constant
-        h = vec(maps.h, maps.texel[m])
-        for corner in range(3):
-            for c in range(3):
-                out[corner, 0, c] = weights[corner] * h[c] * tint[c]
-        return 1
-    # Frames that turn by too much to go between are taken one by one.
-    together = vertices.smooth[t]
+    weights = (np.float32(1.0 - b1 - b2), np.float32(b1), np.float32(b2))
+    # A constant needs no frame; frames that turn by too much to go between are taken one by one.
+    together = vertices.smooth[t] or size == 1
+    h = out[2, : 3 * count]
     for corner in range(3):
         if corner == 0 or not together:
-            axes = _between(vertices, t, weights) if together else _own(vertices, t, corner)
-            x, y, z = to_local(w, axes[0], axes[1], axes[2])
-            taps, (fx, fy) = disk_taps(normalize((x, y, max(z, LOWEST))), size)
-            parts = ((1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy)
-            for k in range(count):
-                h = (0.0, 0.0, 0.0)
-                for tap in range(4):
-                    texel = maps.texel[m] + taps[tap] * count + k
-                    h = add(h, scale(vec(maps.h, texel), parts[tap]))
-                for c in range(3):
-                    out[2, k, c] = h[c] * tint[c] if k == 0 else h[c]
-        for k in range(count):
+            if size == 1:
+                h[:] = maps.h[3 * maps.texel[m] : 3 * (maps.texel[m] + count)]
+            else:
+                axes = _between(vertices, t, weights) if together else _own(vertices, t, corner)
+                x, y, z = to_local(w, axes[0], axes[1], axes[2])
+                taps, (fx, fy) = disk_taps(normalize((x, y, max(z, LOWEST))), size)
+                _mix(maps.h, maps.texel[m], taps, np.float32(fx), np.float32(fy), h)
             for c in range(3):
-                out[corner, k, c] = weights[corner] * out[2, k, c]
+                h[c] *= np.float32(tint[c])
+        weight, into = weights[corner], out[corner]
+        for q in range(h.shape[0]):
+            into[q] = weight * h[q]
     return count
+
+
+@njit(fastmath={"contract", "reassoc"})
+def _mix(maps, first, taps, fx, fy, out):
+    """Between the four texels of a map of so many numbers each as `out` has."""
+    n, one = out.shape[0], np.float32(1)
+    a = maps[3 * first + taps[0] * n : 3 * first + (taps[0] + 1) * n]
+    b = maps[3 * first + taps[1] * n : 3 * first + (taps[1] + 1) * n]
+    c = maps[3 * first + taps[2] * n : 3 * first + (taps[2] + 1) * n]
+    d = maps[3 * first + taps[3] * n : 3 * first + (taps[3] + 1) * n]
+    p, q, r, s = (one - fx) * (one - fy), fx * (one - fy), (one - fx) * fy, fx * fy
+    for k in range(n):
+        out[k] = p * a[k] + q * b[k] + r * c[k] + s * d[k]
 
 
 @njit
