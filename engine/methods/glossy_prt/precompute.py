@@ -27,7 +27,7 @@ from engine.numerics.wavelet_vectors import WaveletVectors, added
 from engine.scene.scene import Scene
 from engine.store import Entry, Store
 
-VERSION = 2  # of the stored arrays and of what they mean
+VERSION = 3  # of the stored arrays and of what they mean
 
 
 def precompute(

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from engine.brdf.base import GRAIN
 from engine.numerics.frames import tangents
-from engine.numerics.vec import cross, dot, normalize, scale, sub, vec
+from engine.numerics.vec import add, cross, dot, normalize, scale, sub, vec
 from engine.scene.scene import Scene
 
 LIFT = 4.0  # of the ray tracer's epsilon: vertices have no one plane that they could be moved off
-INWARD = 0.5  # of the way to the middle of the triangles around
+INWARD = 0.5  # of the way to the middle of a triangle
 ALIKE = 0.7  # cosine: frames at the corners of a triangle that are turned by less are one field
 
 
@@ -22,8 +22,8 @@ class Vertices(NamedTuple):
     """Sorted by material, and for each by place, so that neighbours in space are near in memory.
 
     position  (v, 3) float32   metres
-    eye       (v, 3) float32   from where its surroundings are looked at: a little further in, on
-                               its own triangles, where the vertex lies in a corner of the room
+    eye       (v, 3) float32   from where its surroundings are looked at: where the vertex lies at
+                               the rim of its surface, a little further in
     normal    (v, 3) float32   unit, for shading
     tangent   (v, 3) float32   unit, x axis of the local frame; along the grain of a brushed surface
     material  (v,) int32
@@ -64,7 +64,7 @@ def build_vertices(scene: Scene) -> Vertices:
     position = np.ascontiguousarray(geometry.positions[pairs[:, 1]])
     return Vertices(
         position,
-        _further_in(position, normal, corners, scene.rays.epsilon),
+        _eyes(position, normal, corners, scene.rays.epsilon),
         normal,
         tangent,
         pairs[:, 0].astype(np.int32),
@@ -82,25 +82,47 @@ def _morton(cell: NDArray[np.int64]) -> NDArray[np.int64]:
     return code
 
 
-def _further_in(
+def _eyes(
     position: NDArray[np.float32],
     normal: NDArray[np.float32],
     corners: NDArray[np.int32],
     epsilon: float,
 ) -> NDArray[np.float32]:
-    """(v, 3) float32: off the surface, and part of the way to the middle of the triangles around.
+    """(v, 3): off the surface, and at its rim on the triangle that goes in the most.
 
-    A vertex in the open is that middle already; one at the edge of a wall lies in the plane of the
-    next, half of which it would see from behind.
+    A vertex at the edge of a wall lies in the plane of the next, half of which it would see from
+    behind.
     """
-    middle = np.zeros_like(position, dtype=np.float64)
-    count = np.bincount(corners.ravel(), minlength=len(position))
-    centre = position[corners].mean(axis=1, dtype=np.float64)
-    for k in range(3):
-        np.add.at(middle, corners[:, k], centre)
-    step = INWARD * (middle / np.maximum(count, 1)[:, None] - position)
-    step -= np.einsum("ij,ij->i", step, normal)[:, None] * normal
-    return (position + step + LIFT * epsilon * normal).astype(np.float32)
+    out = position + np.float32(LIFT * epsilon) * normal
+    sides = np.sort(corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    edges, count = np.unique(sides, axis=0, return_counts=True)
+    rim = np.zeros(len(position), np.bool_)
+    rim[edges[count == 1]] = True
+    inward, best = np.zeros((len(position), 3)), np.full(len(position), -np.inf)
+    _move_in(position, corners, rim, LIFT * epsilon, inward, best, out)
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _move_in(position, corners, rim, lift, inward, best, out):
+    for choose in (False, True):
+        for t in range(corners.shape[0]):
+            a, b, c = corners[t]
+            p = vec(position, a)
+            e1, e2 = sub(vec(position, b), p), sub(vec(position, c), p)
+            up = normalize(cross(e1, e2))
+            middle = add(p, scale(add(e1, e2), 1.0 / 3.0))
+            for v in (a, b, c):
+                if not rim[v]:
+                    continue
+                way = sub(middle, vec(position, v))
+                if not choose:
+                    for k in range(3):
+                        inward[v, k] += way[k]
+                elif dot(way, vec(inward, v)) > best[v]:
+                    best[v] = dot(way, vec(inward, v))
+                    for k in range(3):
+                        out[v, k] = position[v, k] + INWARD * way[k] + lift * up[k]
 
 
 @njit(cache=True, nogil=True)
