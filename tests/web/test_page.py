@@ -16,7 +16,7 @@ from playwright.sync_api import Browser, Page
 pytestmark = pytest.mark.web
 
 REST = "() => document.getElementById('canvas').dataset.state === 'final'"
-INDIRECT = "() => document.getElementById('canvas').dataset.method === 'direct_to_indirect'"
+INDIRECT = "() => !['direct', undefined].includes(document.getElementById('canvas').dataset.method)"
 
 
 def pixels(page: Page) -> NDArray[np.float64]:
