@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.backend.choice import Backend
+from engine.backend.choice import Backend, wanted
 from engine.backend.cpu.vectors import multiply_vectors
 from engine.diagnosis import Diagnosis
 from engine.light.cube_light import CubeLight
@@ -29,6 +29,7 @@ from engine.scene.edits import Edits, edited_camera, edited_environment
 from engine.scene.scene import Scene
 
 NAME = "glossy_prt"
+NO_GL = Diagnosis("gl_unavailable", "The CPU draws: this method has no GL backend yet.")
 SAID = 0.02  # of all light: less is not worth a warning
 
 
@@ -90,7 +91,8 @@ class Prt:
             if len(view.edge):
                 sub = shade(*args, view.sub, environment)
                 image[view.edge] = sub.reshape(-1, 4, 3).mean(axis=1)
-        return Frame(image.reshape(*view.shape, 3), clock.timings(), self._of_scene)
+        notices = (NO_GL, *self._of_scene) if wanted(backend) == "gl" else self._of_scene
+        return Frame(image.reshape(*view.shape, 3), clock.timings(), notices)
 
     def lit(self, environment: Environment | None) -> NDArray[np.float32]:
         """(rows, 3) float32: light-dependent vectors of all vertices; the last ones are kept."""
