@@ -49,6 +49,39 @@ class WaveletVectors(NamedTuple):
         return np.concatenate([[0], np.cumsum(self.length, dtype=np.int64)])
 
 
+def before(count: NDArray[np.integer]) -> NDArray[np.int64]:
+    """How many there are before each, of so many each: where runs behind each other begin."""
+    return np.concatenate([[0], np.cumsum(count)[:-1]]).astype(np.int64)
+
+
+class Room(NamedTuple):
+    """Where `keep_largest` writes r vectors: length, base and scale as of `WaveletVectors`, place
+    (r, most) and steps (r, most, c).
+    """
+
+    length: NDArray[np.int32]
+    base: NDArray[np.float32]
+    scale: NDArray[np.float32]
+    place: NDArray[np.uint16]
+    steps: NDArray[np.int8]
+
+    def packed(self) -> WaveletVectors:
+        """The vectors that were written."""
+        kept = np.arange(self.place.shape[1]) < self.length[:, None]
+        return WaveletVectors(*self[:3], self.place[kept], self.steps[kept])
+
+
+def room_for(rows: int, most: int, channels: int) -> Room:
+    """Room for so many vectors of at most so many places."""
+    return Room(
+        np.zeros(rows, np.int32),
+        np.zeros((rows, FACES, channels), np.float32),
+        np.zeros((rows, channels), np.float32),
+        np.zeros((rows, most), np.uint16),
+        np.zeros((rows, most, channels), np.int8),
+    )
+
+
 @njit
 def to_haar(texels):
     """Haar coefficients of a cube map (6 n², c), in place; a face that is black is passed over."""
@@ -147,16 +180,12 @@ def added(
 ) -> WaveletVectors:
     """The sums of vectors of the same channels, on cube maps of n x n texels a face."""
     rows, channels = a.scale.shape
-    length = np.zeros(rows, np.int32)
-    base, scale = np.zeros_like(a.base), np.zeros_like(a.scale)
-    place = np.zeros((rows, most), np.uint16)
-    steps = np.zeros((rows, most, channels), np.int8)
+    room = room_for(rows, most, channels)
     for_ranges(
         _add_pairs, rows, a.start, *a[1:], b.start, *b[1:], white_light(n),
-        weight, most, tolerance, length, base, scale, place, steps, grain=256,
+        weight, most, tolerance, *room, grain=256,
     )  # fmt: skip
-    kept = np.arange(most) < length[:, None]
-    return WaveletVectors(length, base, scale, place[kept], steps[kept])
+    return room.packed()
 
 
 @njit(cache=True, nogil=True)

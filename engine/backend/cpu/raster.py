@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from engine.numerics.parallel import for_ranges, thread_count
 from engine.numerics.vec import cross, dot, scale, sub, vec
 
-ON_EDGE = (
-    1e-6  # of a triangle, by which its edges are widened, so that no crack is left between two
-)
+# Part of a triangle by which its edges are widened, so that no crack is left between two.
+ON_EDGE = 1e-6
 
 
 def visible_triangles(

@@ -25,7 +25,7 @@ from engine.numerics import cube_map
 from engine.numerics.frames import to_local
 from engine.numerics.hemisphere_maps import disk_taps
 from engine.numerics.vec import dot, vec
-from engine.numerics.wavelet_vectors import keep_largest, to_haar, white_light
+from engine.numerics.wavelet_vectors import keep_largest, room_for, to_haar, white_light
 from engine.scene.rays import RayTracer
 
 CHUNK = 128  # vertices
@@ -62,28 +62,14 @@ def direct_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
         light=n, fine=job.visibility_texels, coarse=job.coarse_texels,
     )  # fmt: skip
     light, most = job.terms.flat, job.coefficients
-    channels, size = light.shape[1], job.terms.light.shape[0]
-    length = np.zeros(len(opened), np.int32)
-    base = np.zeros((len(opened), cube_map.FACES, channels), np.float32)
-    scale = np.zeros((len(opened), channels), np.float32)
-    place = np.zeros((len(opened), most), np.uint16)
-    steps = np.zeros((len(opened), most, channels), np.int8)
+    room = room_for(len(opened), most, light.shape[1])
     _project(
         v.normal[s], v.tangent[s], opened, (job.visibility_texels // n) ** 2,
-        cube_map.directions(n), _mean_directions(n), cube_map.solid_angles(n), light, size,
-        white_light(n),
-        job.terms.weight_of(job.terms.channels), most, job.tolerance,
-        length, base, scale, place, steps,
+        cube_map.directions(n), _mean_directions(n), cube_map.solid_angles(n), light,
+        job.terms.light.shape[0], white_light(n), job.terms.weight_of(job.terms.channels), most,
+        job.tolerance, *room,
     )  # fmt: skip
-    kept = np.arange(most) < length[:, None]
-    return {
-        "length": length,
-        "base": base,
-        "scale": scale,
-        "place": place[kept],
-        "steps": steps[kept],
-        "rays": np.array([rays]),
-    }
+    return {**room.packed()._asdict(), "rays": np.array([rays])}
 
 
 @cache

@@ -27,7 +27,13 @@ from engine.numerics.borrow import borrow
 from engine.numerics.frames import to_local
 from engine.numerics.hemisphere_maps import disk_taps
 from engine.numerics.vec import dot, scale, vec
-from engine.numerics.wavelet_vectors import WaveletVectors, keep_largest, white_light
+from engine.numerics.wavelet_vectors import (
+    WaveletVectors,
+    before,
+    keep_largest,
+    room_for,
+    white_light,
+)
 from engine.scene.scene import Scene
 
 CHUNK = 64  # vertices
@@ -81,9 +87,6 @@ def stack(vectors: Sequence[WaveletVectors], terms: Sequence[Terms]) -> Sources:
     width = np.concatenate([np.full(len(v.length), v.scale.shape[1]) for v in vectors])
     length = np.concatenate([v.length for v in vectors])
 
-    def before(count: NDArray[np.int64]) -> NDArray[np.int64]:
-        return np.concatenate([[0], np.cumsum(count)[:-1]]).astype(np.int64)
-
     return Sources(
         start=np.concatenate([[0], np.cumsum(length, dtype=np.int64)]),
         place=np.concatenate([v.place for v in vectors]),
@@ -110,28 +113,16 @@ def bounce_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     vertex, cell = np.nonzero(above)
     hits = rays.intersect(v.eye[s][vertex], directions.astype(np.float32)[cell])
     most, n = job.coefficients, job.light_texels
-    count, channels = len(above), job.terms.count * job.channels
-    length = np.zeros(count, np.int32)
-    base = np.zeros((count, cube_map.FACES, channels), np.float32)
-    scale_ = np.zeros((count, channels), np.float32)
-    place = np.zeros((count, most), np.uint16)
-    steps = np.zeros((count, most, channels), np.int8)
+    count = len(above)
+    room = room_for(count, most, job.terms.count * job.channels)
     weight = job.terms.weight_of(job.channels)
     _gather(
         first, np.searchsorted(vertex, np.arange(count + 1)), cell, hits.triangle, hits.b1, hits.b2,
         directions, areas, job.scene.geometry, job.scene.material_table, v, job.maps, job.sources,
         job.terms.flat, job.terms.light.shape[0], job.terms.count, job.terms.channels,
-        job.channels, white_light(n), weight, most, job.tolerance,
-        length, base, scale_, place, steps,
+        job.channels, white_light(n), weight, most, job.tolerance, *room,
     )  # fmt: skip
-    kept = np.arange(most) < length[:, None]
-    return {
-        "length": length,
-        "base": base,
-        "scale": scale_,
-        "place": place[kept],
-        "steps": steps[kept],
-    }
+    return room.packed()._asdict()
 
 
 @njit(cache=True, nogil=True)

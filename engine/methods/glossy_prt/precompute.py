@@ -17,12 +17,12 @@ from engine.methods.chunks import run_chunks
 from engine.methods.glossy_prt.direct import Job as DirectJob
 from engine.methods.glossy_prt.direct import direct_chunk
 from engine.methods.glossy_prt.interreflection import Job as BounceJob
-from engine.methods.glossy_prt.interreflection import bounce_chunk, stack
+from engine.methods.glossy_prt.interreflection import Sources, bounce_chunk, stack
 from engine.methods.glossy_prt.product import NAME, Prt
 from engine.methods.glossy_prt.settings import Settings
 from engine.methods.glossy_prt.terms import Terms, terms_of
 from engine.methods.glossy_prt.vertices import Vertices, build_vertices
-from engine.methods.glossy_prt.views import stack_maps
+from engine.methods.glossy_prt.views import Maps, stack_maps
 from engine.numerics.wavelet_vectors import WaveletVectors, added
 from engine.scene.scene import Scene
 from engine.store import Entry, Store
@@ -73,8 +73,8 @@ class _Run:
         """Direct transport of all materials' vertices."""
         s = self.settings
 
-        def job(m: int) -> DirectJob:
-            return DirectJob(
+        def stored(m: int) -> WaveletVectors:
+            job = DirectJob(
                 rays=self.scene.rays,
                 vertices=self.vertices,
                 first=int(self._first[m]),
@@ -86,20 +86,22 @@ class _Run:
                 coefficients=s.coefficients,
                 tolerance=s.tolerance,
             )
+            return self._stored(f"direct-{m}", partial(direct_chunk, job), job.chunks)
 
-        return [
-            self._stored(f"direct-{m}", partial(direct_chunk, job(m)), job(m).chunks)
-            for m in range(len(self.terms))
-        ]
+        return [stored(m) for m in range(len(self.terms))]
 
     def bounced(self, direct: list[WaveletVectors]) -> tuple[list[WaveletVectors], float]:
         """(sum of the passes, part of all light that would still follow)."""
         s, n = self.settings, self.settings.light_texels
-        channels = 1 if all(map(_is_grey, self.terms)) and not _textured(self.terms) else 3
+        channels = 1 if all(map(_is_grey, self.terms)) else 3
+        maps = stack_maps(self.terms, self._count)
         last, total, energy = direct, None, [_energy(direct, self.terms)]
         left = 0.0
         for number in range(1, s.bounces + 1):
-            last = [self._bounce(number, m, last, channels) for m in range(len(self.terms))]
+            sources = stack(last, self.terms)
+            last = [
+                self._bounce(number, m, maps, sources, channels) for m in range(len(self.terms))
+            ]
             energy.append(_energy(last, self.terms))
             if total is None:
                 total = last
@@ -116,7 +118,7 @@ class _Run:
         return total, left
 
     def _bounce(
-        self, number: int, m: int, last: list[WaveletVectors], channels: int
+        self, number: int, m: int, maps: Maps, sources: Sources, channels: int
     ) -> WaveletVectors:
         s = self.settings
         job = BounceJob(
@@ -125,8 +127,8 @@ class _Run:
             first=int(self._first[m]),
             count=int(self._count[m]),
             terms=self.terms[m],
-            maps=stack_maps(self.terms, self._count),
-            sources=stack(last, self.terms),
+            maps=maps,
+            sources=sources,
             gather_texels=s.gather_texels,
             light_texels=s.light_texels,
             coefficients=s.bounce_coefficients,
@@ -141,22 +143,19 @@ class _Run:
         """The vectors of that name, from the store or from their chunks."""
         found = self._entry.read(name)
         if found is not None:
-            made = found.arrays
-        elif chunks == 0:
+            return WaveletVectors(*(found.arrays[field] for field in WaveletVectors._fields))
+        # A material that nothing has still gives arrays, if empty ones.
+        if chunks == 0:
             made = work(0)
         else:
             made = run_chunks(work, chunks, name, self._parts, self._executor, self._progress)
-        if found is None:
-            self._entry.write(name, made, {"settings": asdict(self.settings)})
+        self._entry.write(name, made, {"settings": asdict(self.settings)})
         return WaveletVectors(*(made[field] for field in WaveletVectors._fields))
 
 
 def _is_grey(terms: Terms) -> bool:
-    return terms.channels == 1 and bool((terms.view == terms.view[..., :1]).all())
-
-
-def _textured(terms: list[Terms]) -> bool:
-    return any(t.textured for t in terms)
+    grey = terms.channels == 1 and not terms.textured
+    return grey and bool((terms.view == terms.view[..., :1]).all())
 
 
 def _energy(vectors: list[WaveletVectors], terms: list[Terms]) -> float:

@@ -14,6 +14,7 @@ from engine.methods.glossy_prt.vertices import frame
 from engine.numerics.frames import to_local
 from engine.numerics.hemisphere_maps import disk_taps
 from engine.numerics.vec import add, cross, dot, normalize, scale, sub, vec
+from engine.numerics.wavelet_vectors import before
 from engine.scene import surface
 
 LOWEST = 0.02  # cosine of a view below which maps are not looked up: beyond their rim is nothing
@@ -45,9 +46,6 @@ def stack_maps(terms: list[Terms], count: NDArray[np.integer]) -> Maps:
     """`Maps` of the materials' terms and of how many vertices have each material."""
     views = [t.view.reshape(-1, 3) for t in terms]
     many = np.array([t.count for t in terms], np.int32)
-
-    def before(numbers: NDArray[np.integer]) -> NDArray[np.int64]:
-        return np.concatenate([[0], np.cumsum(numbers)[:-1]]).astype(np.int64)
 
     return Maps(
         first=before(count * many),
