@@ -13,6 +13,9 @@ from engine.numerics.description import Description, Point
 
 MAX_PIXELS = 4096 * 4096
 
+# Offsets of the four sub-samples of a pixel from its centre, in pixels.
+SUBSAMPLES = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])
+
 
 class Camera(Description):
     """Position, target and up in world space; the vertical field of view in degrees; pixels."""

@@ -22,11 +22,8 @@ from engine.brdf.base import ROW, SPECULAR
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, sub, vec
 from engine.scene import surface
-from engine.scene.camera import Camera
+from engine.scene.camera import SUBSAMPLES, Camera
 from engine.scene.scene import Scene
-
-# Offsets of the four sub-samples from the pixel's centre, in pixels.
-SUBSAMPLES = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])
 
 # A finer grid, for what changes from frame to frame: edges of shadows. It keeps to the square of
 # the sub-samples, beyond which nobody has looked whether the surface goes on.

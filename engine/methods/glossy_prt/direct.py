@@ -110,13 +110,19 @@ def _sample(normal, tangent, i, opened, parts, directions, means, solid, light, 
         if cosine <= 0.0:
             continue
         weight = unit * opened[i, j] * cosine
-        taps, (fx, fy) = disk_taps(to_local(vec(directions, j), s, t, n), size)
-        a, b = weight * (1.0 - fx) * (1.0 - fy), weight * fx * (1.0 - fy)
-        c, d = weight * (1.0 - fx) * fy, weight * fx * fy
-        for q in range(values.shape[1]):
-            values[j, q] = (
-                a * light[taps[0], q]
-                + b * light[taps[1], q]
-                + c * light[taps[2], q]
-                + d * light[taps[3], q]
-            )
+        light_vector(light, size, to_local(vec(directions, j), s, t, n), weight, values[j])
+
+
+@njit(nogil=True)
+def light_vector(light, size, w, weight, out):
+    """Fill out (channels · K,) with g_k(w) times a weight; channels as in `Terms.flat`."""
+    taps, (fx, fy) = disk_taps(w, size)
+    a, b = weight * (1.0 - fx) * (1.0 - fy), weight * fx * (1.0 - fy)
+    c, d = weight * (1.0 - fx) * fy, weight * fx * fy
+    for q in range(out.shape[0]):
+        out[q] = (
+            a * light[taps[0], q]
+            + b * light[taps[1], q]
+            + c * light[taps[2], q]
+            + d * light[taps[3], q]
+        )

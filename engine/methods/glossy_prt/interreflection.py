@@ -19,13 +19,13 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from engine.methods.glossy_prt.direct import light_vector
 from engine.methods.glossy_prt.terms import Terms
 from engine.methods.glossy_prt.vertices import Vertices, frame
 from engine.methods.glossy_prt.views import Maps, corner_views
 from engine.numerics import cube_map
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import to_local
-from engine.numerics.hemisphere_maps import disk_taps
 from engine.numerics.vec import dot, scale, vec
 from engine.numerics.wavelet_vectors import (
     WaveletVectors,
@@ -162,7 +162,7 @@ def _gather(
             )  # fmt: skip
             if seen == 0:
                 continue
-            _light_vector(light, size, to_local(w, s, t, n), g)
+            light_vector(light, size, to_local(w, s, t, n), 1.0, g)
             unit = np.pi / whole * dot(n, vec(areas, cell[r]))
             for corner in range(3):
                 v = vertices.corners[triangle[r], corner]
@@ -185,20 +185,6 @@ def _gather(
             _add(sources, v, maps.terms[m], sources.channels[m], factor[q], terms, values)
         length[i] = keep_largest(
             values, white, weight, most, tolerance, base[i], scale_[i], place[i], steps[i]
-        )
-
-
-@njit(nogil=True)
-def _light_vector(light, size, w, out):
-    """Fill out (channels · K,) with g_k(w)."""
-    taps, (fx, fy) = disk_taps(w, size)
-    parts = ((1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy)
-    for q in range(out.shape[0]):
-        out[q] = (
-            parts[0] * light[taps[0], q]
-            + parts[1] * light[taps[1], q]
-            + parts[2] * light[taps[2], q]
-            + parts[3] * light[taps[3], q]
         )
 
 

@@ -17,10 +17,9 @@ from engine.methods.glossy_prt.views import Maps, corner_views, first_row
 from engine.numerics.borrow import borrow
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import normalize, scale, vec
-from engine.scene.camera import Camera
+from engine.scene.camera import SUBSAMPLES, Camera
 from engine.scene.scene import Scene
 
-SUBSAMPLES = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])
 STEP = 0.02  # from a pixel to the next, of their distance: what is farther behind is an edge
 NEAR = 1e-3  # of the scene's size: where surfaces come nearer, rays are cast
 
