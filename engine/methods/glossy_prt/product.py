@@ -7,12 +7,13 @@ picture; a new camera is a picture alone.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engine.backend.choice import Backend, wanted
-from engine.backend.cpu.vectors import multiply_vectors
+from engine.backend.cpu.vectors import Factor
 from engine.diagnosis import Diagnosis
 from engine.light.cube_light import CubeLight
 from engine.light.environment import Environment, is_same
@@ -23,6 +24,7 @@ from engine.methods.glossy_prt.terms import Terms
 from engine.methods.glossy_prt.vertices import Vertices
 from engine.methods.glossy_prt.view import View, look, shade
 from engine.methods.glossy_prt.views import stack_maps
+from engine.numerics.cluster_basis import Clusters
 from engine.numerics.wavelet_vectors import WaveletVectors
 from engine.scene.camera import Camera
 from engine.scene.edits import Edits, edited_camera, edited_environment
@@ -31,6 +33,22 @@ from engine.scene.scene import Scene
 NAME = "glossy_prt"
 NO_GL = Diagnosis("gl_unavailable", "The CPU draws: this method has no GL backend yet.")
 SAID = 0.02  # of all light: less is not worth a warning
+
+
+Stored = WaveletVectors | Clusters
+
+
+class Transport(NamedTuple):
+    """What a precompute found.
+
+    direct   transport vectors of every material of the scene
+    bounced  the same of what bounces; empty where no bounce was asked for
+    left     part of all light that passes which were not made would bring
+    """
+
+    direct: list[Stored]
+    bounced: list[Stored]
+    left: float
 
 
 class Prt:
@@ -42,21 +60,23 @@ class Prt:
         settings: Settings,
         vertices: Vertices,
         terms: list[Terms],
-        direct: list[WaveletVectors],
-        bounced: list[WaveletVectors] | None,
-        left: float,
+        transport: Transport,
     ) -> None:
-        """terms, direct and bounced are of the scene's materials; left is the part of all light
-        that passes which were not made would bring.
-        """
+        """terms are those of the scene's materials."""
         self.scene, self._settings = scene, settings
-        self.vertices, self.terms, self.direct, self.bounced = vertices, terms, direct, bounced
-        self._sets = [[(v.start, v) for v in vectors] for vectors in (direct, bounced or ())]
-        self._maps = stack_maps(terms, np.bincount(vertices.material, minlength=len(terms)))
+        self.vertices, self.terms, self.transport = vertices, terms, transport
+        count = np.bincount(vertices.material, minlength=len(terms))
+        self._maps = stack_maps(terms, count)
+        self._rows = int(count @ self._maps.terms)
+        self._factors = [
+            (m, Factor(stored, terms[m].count))
+            for part in (transport.direct, transport.bounced)
+            for m, stored in enumerate(part)
+        ]
         self._light = CubeLight(settings.light_texels)
         self._lit: tuple[Environment | None, NDArray[np.float32]] | None = None
         self._view: tuple[Camera, int, View] | None = None
-        said = (_local_lights(scene), _truncated(left))
+        said = (_local_lights(scene), _truncated(transport.left))
         self._of_scene = tuple(d for d in said if d is not None)
 
     @property
@@ -72,7 +92,7 @@ class Prt:
     @property
     def bytes(self) -> int:
         """Bytes of the transport vectors."""
-        return sum(a.nbytes for vectors in self._sets for _, v in vectors for a in v)
+        return sum(factor.bytes for _, factor in self._factors)
 
     def relight(self, edits: Edits, scale: int = 1, backend: Backend | None = None) -> Frame:
         """See `engine.methods.base.Product.relight`."""
@@ -102,13 +122,11 @@ class Prt:
 
     def multiply(self, light: NDArray[np.float32]) -> NDArray[np.float32]:
         """(rows, 3) float32: all vectors times the Haar coefficients (6 n², 3) of a light."""
-        each = zip(self.direct, self.terms, strict=True)
-        out = np.zeros((sum(len(v.length) * t.count for v, t in each), 3), np.float32)
-        for vectors in self._sets:
-            for m, (start, v) in enumerate(vectors):
-                channels = v.scale.shape[1] // self.terms[m].count
-                part = multiply_vectors(start, *v[1:], light, channels)
-                out[self._maps.first[m] : self._maps.first[m] + len(part)] += part
+        out = np.zeros((self._rows, 3), np.float32)
+        for m, factor in self._factors:
+            first = self._maps.first[m]
+            last = first + factor.vertices * factor.terms
+            factor.add_product(light, out[first:last].reshape(-1, factor.terms, 3))
         return out
 
     def _seen(self, camera: Camera, scale: int) -> View:

@@ -16,10 +16,14 @@ class Settings:
 
     coefficients: int = 128
     """N_l, wavelets that the transport vectors of a vertex keep, the same for all terms: 6 to 4096
-    (§4.1.1)."""
+    (§4.1.1). Where there are clusters, of the vectors that bounces are gathered from alone."""
 
     tolerance: float = 0.01
     """Part of a vector's norm that may be left out even where there is room for it: 0 to 1."""
+
+    cluster_error: float = 0.05
+    """Part of the norm of the vectors of a cluster of vertices that a basis of its own may leave
+    out: 0 to 0.5. With 0 every vertex has its own wavelets, as in the paper."""
 
     light_texels: int = 64
     """Texels along a face of the light's cube map: 8, 16, 32, 64 or 128 (§4.1)."""
@@ -43,7 +47,7 @@ class Settings:
     gather_texels: int = 32
     """Texels along a face of the cube map that gathers a bounce: 4, 8, 16, 32 or 64 (§4.2)."""
 
-    bounce_coefficients: int = 48
+    bounce_coefficients: int = 64
     """Wavelets that a vector of bounced light keeps, which is smoother: 6 to 4096."""
 
     def __post_init__(self) -> None:
@@ -54,6 +58,7 @@ class Settings:
             ("bounces", 0, 16),
             ("remaining", 0, 1),
             ("tolerance", 0, 1),
+            ("cluster_error", 0, 0.5),
             ("bounce_coefficients", 6, 4096),
         ):
             value = getattr(self, name)

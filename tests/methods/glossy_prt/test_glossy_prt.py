@@ -116,7 +116,7 @@ def test_grey_light_maps_are_stored_once(make: Make) -> None:
         product = make(ball(material))
         assert product.terms[0].channels == 1
         assert product.terms[0].count == terms
-        assert product.direct[0].scale.shape[1] == terms
+        assert product.transport.direct[0].scale.shape[1] == terms
 
 
 def test_light_adds_up(make: Make) -> None:
