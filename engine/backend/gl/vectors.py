@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,15 +36,16 @@ class _Uploaded(NamedTuple):
 class SparseVectors:
     """Vectors that lie on the GPU, and what a light makes of them."""
 
-    def __init__(self, device: Device, rows: int, *sets: Iterable[Part]) -> None:
-        """Uploads the vectors. Sets are added up: of each, every row has one part, or none has."""
+    def __init__(self, device: Device, *sets: list[Part]) -> None:
+        """Uploads the vectors. Sets are added up: each has a part for every row, or no part."""
         self._device = device
         self._parts = [
             _upload(device, part, add=number > 0)
             for number, parts in enumerate(sets)
             for part in parts
         ]
-        self._out = device.floats(3 * rows)
+        ends = [part.first + len(part.vectors.length) * part.terms for part in sets[0]]
+        self._out = device.floats(3 * max(ends))
         self._light: Any = None
 
     def multiply(self, light: NDArray[np.float32]) -> Any:

@@ -36,7 +36,7 @@ def on_cpu(part: Part) -> np.ndarray:
 
 
 def on_gpu(gpu: Device, rows: int, *sets: list[Part]) -> np.ndarray:
-    out = SparseVectors(gpu, rows, *sets).multiply(LIGHT)
+    out = SparseVectors(gpu, *sets).multiply(LIGHT)
     return np.frombuffer(out.read(12 * rows), np.float32).reshape(rows, 3)
 
 
@@ -74,7 +74,7 @@ def test_materials_lie_behind_each_other_and_sets_add_up(gpu: Device) -> None:
 
 
 def test_the_same_bytes_every_time_and_no_light_is_black(gpu: Device) -> None:
-    vectors = SparseVectors(gpu, 200, [Part(0, 4, some_vectors(50, 4, 60))])
+    vectors = SparseVectors(gpu, [Part(0, 4, some_vectors(50, 4, 60))])
     first = vectors.multiply(LIGHT).read()
     assert not any(vectors.multiply(0 * LIGHT).read())
     assert vectors.multiply(LIGHT).read() == first
