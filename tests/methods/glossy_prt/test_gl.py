@@ -73,17 +73,18 @@ def small_knot(width: int = 96, height: int = 96, segments: int = 192) -> Scene:
 
 
 def with_texture(folder: Path, material: dict[str, Any]) -> Scene:
-    """A ball over a floor whose diffuse reflectance is an image that repeats many times."""
+    """A ball that shines over a floor whose diffuse reflectance is an image, often repeated."""
     rng = np.random.default_rng(1)
     Image.fromarray(rng.integers(30, 255, (8, 16, 3), np.uint8)).save(folder / "noise.png")
     floor = rectangle("floor", [4, 4], [0, -0.52, 0], [-90, 0, 0])
     floor["mesh"] |= {"segments": [12, 12]}
+    texture = {"texture": "noise.png", "factor": [0.9, 0.5, 0.7]}
     document = {
         "camera": camera(64, position=[0.6, 1.0, 2.4], target=[0, -0.1, 0], fov_y_degrees=40),
         "environment": {"map": "studio"},
         "lights": [],
         "materials": {
-            "floor": {**material, "diffuse": {"texture": "noise.png"}},
+            "floor": {**material, "diffuse": texture},
             "ball": {**GREY, "emission": [0.2, 0.1, 0.4]},
         },
         "objects": [
@@ -92,7 +93,8 @@ def with_texture(folder: Path, material: dict[str, Any]) -> Scene:
              "material": "ball"},
         ],
     }  # fmt: skip
-    return build(describe(document), folder)
+    made = build(describe(document), folder)
+    return replace(made, geometry=made.geometry._replace(uvs=7 * made.geometry.uvs - 103.3))
 
 
 @pytest.mark.parametrize("scale", [1, 2])
