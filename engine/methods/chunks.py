@@ -18,6 +18,19 @@ IN_FLIGHT = 8
 Arrays = dict[str, NDArray[Any]]
 
 
+class CallingThread(Executor):
+    """Does at once what is submitted: for work that belongs to the thread that asks for it."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """A future that is done."""
+        done: Future[Any] = Future()
+        try:
+            done.set_result(fn(*args, **kwargs))
+        except Exception as error:
+            done.set_exception(error)
+        return done
+
+
 def run_chunks(
     work: Callable[[int], Arrays],
     chunks: int,
@@ -39,9 +52,10 @@ def run_chunks(
     missing = [chunk for chunk in range(chunks) if chunk not in parts]
     progress(phase, len(parts), chunks)
     running: dict[Future[Arrays], int] = {}
+    most = 1 if isinstance(executor, CallingThread) else IN_FLIGHT  # so that progress is told
     try:
         while missing or running:
-            while missing and len(running) < IN_FLIGHT:
+            while missing and len(running) < most:
                 chunk = missing.pop(0)
                 running[executor.submit(work, chunk)] = chunk
             done, _ = wait(running, timeout=0.2, return_when=FIRST_COMPLETED)

@@ -10,4 +10,5 @@
 | `points`, `shading` | direct light |
 | `vectors` | transport vectors times a light |
 | `raster`, `seen` | what a camera sees |
+| `visibility` | what vertices see of the sky |
 """

@@ -10,6 +10,7 @@ open vertex are made to integrate to π, so that white light gives what it ought
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -20,29 +21,31 @@ from numpy.typing import NDArray
 
 from engine.methods.glossy_prt.terms import Terms
 from engine.methods.glossy_prt.vertices import Vertices, frame
-from engine.methods.glossy_prt.visibility import open_parts
 from engine.numerics import cube_map
 from engine.numerics.frames import to_local
 from engine.numerics.hemisphere_maps import disk_taps
+from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, vec
 from engine.numerics.wavelet_vectors import keep_largest, room_for, to_haar, white_light
-from engine.scene.rays import RayTracer
 
+OpenParts = Callable[[NDArray[np.float32], NDArray[np.float32]], NDArray[np.uint8]]
 CHUNK = 128  # vertices
 
 
 @dataclass(frozen=True)
 class Job:
-    """Direct transport of some vertices of one material."""
+    """Direct transport of some vertices of one material.
 
-    rays: RayTracer
+    open_parts(eye, normal) tells how much of each texel is open, as that of `visibility`.
+    """
+
+    open_parts: OpenParts
     vertices: Vertices
     first: int
     count: int
     terms: Terms
     light_texels: int
     visibility_texels: int
-    coarse_texels: int
     coefficients: int
     tolerance: float
 
@@ -53,23 +56,20 @@ class Job:
 
 
 def direct_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
-    """The vectors of a chunk's vertices, as the arrays of `WaveletVectors`, and how many rays."""
+    """The vectors of a chunk's vertices, as the arrays of `WaveletVectors`."""
     first = job.first + chunk * CHUNK
     s = slice(first, min(first + CHUNK, job.first + job.count))
     v, n = job.vertices, job.light_texels
-    opened, rays = open_parts(
-        job.rays, v.eye[s], v.normal[s],
-        light=n, fine=job.visibility_texels, coarse=job.coarse_texels,
-    )  # fmt: skip
+    opened = job.open_parts(v.eye[s], v.normal[s])
     light, most = job.terms.flat, job.coefficients
     room = room_for(len(opened), most, light.shape[1])
-    _project(
-        v.normal[s], v.tangent[s], opened, (job.visibility_texels // n) ** 2,
+    for_ranges(
+        _project, len(opened), v.normal[s], v.tangent[s], opened, (job.visibility_texels // n) ** 2,
         cube_map.directions(n), _mean_directions(n), cube_map.solid_angles(n), light,
         job.terms.light.shape[0], white_light(n), job.terms.weight_of(job.terms.channels), most,
-        job.tolerance, *room,
+        job.tolerance, *room, grain=16,
     )  # fmt: skip
-    return {**room.packed()._asdict(), "rays": np.array([rays])}
+    return room.packed()._asdict()
 
 
 @cache
@@ -80,11 +80,11 @@ def _mean_directions(n: int) -> NDArray[np.float64]:
 
 @njit(cache=True, nogil=True)
 def _project(
-    normal, tangent, opened, parts, directions, means, solid, light, size, white,
+    begin, end, normal, tangent, opened, parts, directions, means, solid, light, size, white,
     weight, most, tolerance, length, base, scale, place, steps,
 ):  # fmt: skip
     values = np.zeros((opened.shape[1], light.shape[1]), np.float32)
-    for i in range(opened.shape[0]):
+    for i in range(begin, end):
         values[:] = 0.0
         _sample(normal, tangent, i, opened, parts, directions, means, solid, light, size, values)
         to_haar(values)

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.methods.base import Progress
-from engine.methods.chunks import run_chunks
+from engine.methods.chunks import CallingThread, run_chunks
 from engine.methods.glossy_prt.direct import Job as DirectJob
-from engine.methods.glossy_prt.direct import direct_chunk
+from engine.methods.glossy_prt.direct import OpenParts, direct_chunk
+from engine.methods.glossy_prt.gl_visibility import GlVisibility
 from engine.methods.glossy_prt.interreflection import Job as BounceJob
 from engine.methods.glossy_prt.interreflection import Sources, bounce_chunk, stack
 from engine.methods.glossy_prt.product import NAME, Prt
@@ -23,6 +24,7 @@ from engine.methods.glossy_prt.settings import Settings
 from engine.methods.glossy_prt.terms import Terms, terms_of
 from engine.methods.glossy_prt.vertices import Vertices, build_vertices
 from engine.methods.glossy_prt.views import Maps, stack_maps
+from engine.methods.glossy_prt.visibility import open_parts
 from engine.numerics.wavelet_vectors import WaveletVectors, added
 from engine.scene.scene import Scene
 from engine.store import Entry, Store
@@ -72,23 +74,33 @@ class _Run:
     def direct(self) -> list[WaveletVectors]:
         """Direct transport of all materials' vertices."""
         s = self.settings
+        executor, look_around = self._visibility()
 
         def stored(m: int) -> WaveletVectors:
             job = DirectJob(
-                rays=self.scene.rays,
+                open_parts=look_around,
                 vertices=self.vertices,
                 first=int(self._first[m]),
                 count=int(self._count[m]),
                 terms=self.terms[m],
                 light_texels=s.light_texels,
                 visibility_texels=s.visibility_texels,
-                coarse_texels=s.coarse_texels,
                 coefficients=s.coefficients,
                 tolerance=s.tolerance,
             )
-            return self._stored(f"direct-{m}", partial(direct_chunk, job), job.chunks)
+            return self._stored(f"direct-{m}", partial(direct_chunk, job), job.chunks, executor)
 
         return [stored(m) for m in range(len(self.terms))]
+
+    def _visibility(self) -> tuple[Executor, OpenParts]:
+        """(who finds what vertices see, how): a GL context belongs to one thread, which is this."""
+        s = self.settings
+        light, fine = s.light_texels, s.visibility_texels
+        if s.visibility == "gl":
+            return CallingThread(), GlVisibility(self.scene, light, fine)
+        coarse = s.coarse_texels
+        look = partial(open_parts, self.scene.rays, light=light, fine=fine, coarse=coarse)
+        return self._executor, look
 
     def bounced(self, direct: list[WaveletVectors]) -> tuple[list[WaveletVectors], float]:
         """(sum of the passes, part of all light that would still follow)."""
@@ -135,10 +147,16 @@ class _Run:
             tolerance=s.tolerance,
             channels=channels,
         )
-        return self._stored(f"bounce-{number}-{m}", partial(bounce_chunk, job), job.chunks)
+        return self._stored(
+            f"bounce-{number}-{m}", partial(bounce_chunk, job), job.chunks, self._executor
+        )
 
     def _stored(
-        self, name: str, work: Callable[[int], dict[str, NDArray[Any]]], chunks: int
+        self,
+        name: str,
+        work: Callable[[int], dict[str, NDArray[Any]]],
+        chunks: int,
+        executor: Executor,
     ) -> WaveletVectors:
         """The vectors of that name, from the store or from their chunks."""
         found = self._entry.read(name)
@@ -148,7 +166,7 @@ class _Run:
         if chunks == 0:
             made = work(0)
         else:
-            made = run_chunks(work, chunks, name, self._parts, self._executor, self._progress)
+            made = run_chunks(work, chunks, name, self._parts, executor, self._progress)
         self._entry.write(name, made, {"settings": asdict(self.settings)})
         return WaveletVectors(*(made[field] for field in WaveletVectors._fields))
 

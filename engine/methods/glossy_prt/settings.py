@@ -27,6 +27,10 @@ class Settings:
     visibility_texels: int = 128
     """The same of the visibility that is averaged down to it: as many, or twice as many (§4.1)."""
 
+    visibility: str = "rays"
+    """What finds it: `rays`, coarsely first, or `gl`, which rasterises all of it as the paper does
+    and wants a GPU."""
+
     coarse_texels: int = 16
     """Where visibility starts from: cells of 90 / 16 degrees that agree with the cells around them
     are not looked at more finely. `visibility_texels` asks for all of them."""
@@ -59,6 +63,8 @@ class Settings:
             value = getattr(self, name)
             if not low <= value <= high:
                 raise InputError(f"{value} is not between {low} and {high}", field=name)
+        if self.visibility not in ("rays", "gl"):
+            raise InputError(f"{self.visibility!r} is neither rays nor gl", field="visibility")
         light, fine, coarse = self.light_texels, self.visibility_texels, self.coarse_texels
         if light not in (8, 16, 32, 64, 128):
             raise InputError(f"{light} is none of 8, 16, 32, 64, 128", field="light_texels")

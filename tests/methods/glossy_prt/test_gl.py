@@ -19,7 +19,7 @@ from engine.backend.gl import context
 from engine.backend.gl.context import device
 from engine.backend.gl.seen import Sight
 from engine.backend.gl.vectors import SparseVectors
-from engine.errors import BackendError
+from engine.errors import BackendError, InputError
 from engine.methods import prepare
 from engine.methods.glossy_prt import Prt, Settings
 from engine.methods.glossy_prt.gl_prt import GlPrt
@@ -212,6 +212,24 @@ def test_a_light_and_a_view_that_stay_cost_nothing(
         product.relight(turned, 1, "gl")
     monkeypatch.setattr(SparseVectors, "multiply", fail)
     product.relight(moved, 1, "gl")
+
+
+def test_visibility_by_gl(make: Make) -> None:
+    """The same light as by rays, but for texels whose centres lie at silhouettes."""
+    scene, edits = still_life(PHONG, segments=12), Edits()
+    rays = make(scene, coarse_texels=16).relight(edits, 1, "cpu").image
+    found = make(scene, visibility="gl").relight(edits, 1, "cpu").image
+    assert np.linalg.norm(found - rays) < 2e-3 * np.linalg.norm(rays)
+    assert (found != rays).any()
+
+
+def test_where_visibility_by_gl_is_not_to_be_had(
+    make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(context, "_failure", "no such thing as a GPU")
+    with pytest.raises(InputError, match="no such thing as a GPU") as caught:
+        make(still_life(GREY, segments=4), visibility="gl")
+    assert caught.value.field == "visibility"
 
 
 def test_gl_that_is_missing_is_replaced_by_the_cpu(

@@ -252,11 +252,12 @@ def test_lights_are_refused_and_the_scene_s_own_are_mentioned(make: Make) -> Non
         {"gather_texels": 33},
         {"bounces": -1},
         {"brdf_texels": 4},
+        {"visibility": "radar"},
     ],
 )
-def test_settings_out_of_range(wrong: dict[str, int]) -> None:
+def test_settings_out_of_range(wrong: dict[str, Any]) -> None:
     with pytest.raises(InputError) as caught:
-        Settings(**wrong)  # type: ignore[arg-type]
+        Settings(**wrong)
     assert caught.value.field == next(iter(wrong))
 
 
