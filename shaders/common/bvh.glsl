@@ -41,7 +41,7 @@ float enters(vec3 low, vec3 high, vec3 o, vec3 inverse, float limit)
 
 // The place in the tree of what a ray meets between o and o + limit * d: the first triangle, or just
 // any; -1 for none.
-int traced(vec3 o, vec3 d, float limit, const bool any)
+int traced(vec3 o, vec3 d, float limit, const bool any_will_do)
 {
     int found = -1;
     vec3 safe = mix(d, vec3(1e-30), equal(d, vec3(0.0)));
@@ -56,7 +56,7 @@ int traced(vec3 o, vec3 d, float limit, const bool any)
                                    corners[3 * k + 2].xyz - o, d);
                 if (t < 0.0 || t > limit)
                     continue;
-                if (any)
+                if (any_will_do)
                     return k;
                 found = k;
                 limit = t;

@@ -31,7 +31,8 @@ void main()
     for (EACH(i, u_count)) {
         int x = i % u_width;
         Seen s = seen[i];
-        bool found = u_in_doubt != 0 && min(min(s.b1, s.b2), 1.0 - s.b1 - s.b2) < 0.0;
+        // Seen from its edge a triangle has no barycentrics, and no number is not inside either.
+        bool found = u_in_doubt != 0 && !(min(min(s.b1, s.b2), 1.0 - s.b1 - s.b2) >= 0.0);
         if (x > 0)
             found = found || is_edge(s, seen[i - 1]);
         if (x + 1 < u_width)

@@ -232,6 +232,12 @@ def test_where_visibility_by_gl_is_not_to_be_had(
     assert caught.value.field == "visibility"
 
 
+def test_without_being_asked_only_hardware_draws(make: Make) -> None:
+    frame = make(ball(GREY)).relight(Edits(), 1, "auto")
+    assert ("read_back" in frame.timings) != device().software
+    assert not frame.warnings
+
+
 def test_gl_that_is_missing_is_replaced_by_the_cpu(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
