@@ -98,7 +98,7 @@ def cluster(
     steps, unit = _in_steps(basis)
     basis = (steps * unit).astype(np.float64)
     fitted = np.zeros((count, channels, len(basis)))
-    fitted[..., :-1] = (_fitted(rows * counts, basis[:-1]) / counts).reshape(count, channels, -1)
+    fitted[..., :-1] = (_fitted(rows * counts, basis[:-1]) / counts).reshape(fitted[..., :-1].shape)
     weights, scale = _in_steps(fitted)
     if len(basis):
         # What the others lack of white light is for the last component.
@@ -125,7 +125,7 @@ def _rows(vectors: WaveletVectors, texels: int) -> tuple[NDArray[np.int64], NDAr
     rows[:, column[:FACES]] = vectors.base
     vertex = np.repeat(np.arange(count), vectors.length)
     rows[vertex, column[FACES:]] = vectors.steps * vectors.scale[vertex]
-    return place, rows.swapaxes(1, 2).reshape(count * channels, -1)
+    return place, rows.swapaxes(1, 2).reshape(count * channels, len(place))
 
 
 def _principal(rows: NDArray[np.float32], error: float) -> NDArray[np.float32]:

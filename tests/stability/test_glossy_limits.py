@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from engine.images import write_image
 from engine.methods import prepare
 from engine.methods.glossy_prt import Prt, Settings
+from engine.numerics.wavelet_vectors import white_light
 from engine.reference import render
 from engine.scene.build import build
 from engine.scene.edits import Edits, apply

@@ -10,6 +10,7 @@ open vertex are made to integrate to π, so that white light gives what it ought
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -20,11 +21,11 @@ from numpy.typing import NDArray
 
 from engine.methods.glossy_prt.terms import Terms
 from engine.methods.glossy_prt.vertices import Vertices, frame
-from engine.methods.glossy_prt.visibility import open_parts
 from engine.numerics import cube_map
 from engine.numerics.cluster_basis import cluster
 from engine.numerics.frames import to_local
 from engine.numerics.hemisphere_maps import disk_taps
+from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, vec
 from engine.numerics.wavelet_vectors import (
     keep_largest,
@@ -33,8 +34,8 @@ from engine.numerics.wavelet_vectors import (
     to_haar,
     white_light,
 )
-from engine.scene.rays import RayTracer
 
+OpenParts = Callable[[NDArray[np.float32], NDArray[np.float32]], NDArray[np.uint8]]
 TOGETHER = 64  # vertices whose visibility is found at a time
 SOURCE = "source_"  # before the names of the arrays of vectors that bounces are gathered from
 MOST = 1024  # wavelets of a vector that a cluster is made of
@@ -44,18 +45,18 @@ MOST = 1024  # wavelets of a vector that a cluster is made of
 class Job:
     """Direct transport of the clusters of one material.
 
-    bounds        (clusters + 1,) where the vertices of each begin
-    cluster_error of the clusters, see `cluster_basis`; 0 for none
-    sources       whether vectors of `coefficients` are wanted too where there are clusters
+    open_parts     (eye, normal) tells how much of each texel is open, as that of `visibility`
+    bounds         (clusters + 1,) where the vertices of each begin
+    cluster_error  of the clusters, see `cluster_basis`; 0 for none
+    sources        whether vectors of `coefficients` are wanted too where there are clusters
     """
 
-    rays: RayTracer
+    open_parts: OpenParts
     vertices: Vertices
     bounds: NDArray[np.int32]
     terms: Terms
     light_texels: int
     visibility_texels: int
-    coarse_texels: int
     coefficients: int
     tolerance: float
     cluster_error: float
@@ -66,20 +67,20 @@ def direct_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     """Transport of a cluster, as the arrays of `Clusters` or `WaveletVectors` or both of them."""
     s = slice(job.bounds[chunk], job.bounds[chunk + 1])
     v, n = job.vertices, job.light_texels
-    opened = np.concatenate([
-        open_parts(
-            job.rays, v.eye[s][k : k + TOGETHER], v.normal[s][k : k + TOGETHER],
-            light=n, fine=job.visibility_texels, coarse=job.coarse_texels,
-        )
-        for k in range(0, len(v.eye[s]), TOGETHER)
-    ])  # fmt: skip
+    pieces = [slice(k, min(k + TOGETHER, s.stop)) for k in range(s.start, s.stop, TOGETHER)]
+    opened = np.concatenate(
+        [
+            np.zeros((0, cube_map.FACES * n * n), np.uint8),
+            *(job.open_parts(v.eye[piece], v.normal[piece]) for piece in pieces),
+        ]
+    )
     light, weight = job.terms.flat, job.terms.weight_of(job.terms.channels)
     white, most = white_light(n), MOST if job.cluster_error else job.coefficients
     room = room_for(len(opened), most, light.shape[1])
-    _project(
-        v.normal[s], v.tangent[s], opened, (job.visibility_texels // n) ** 2,
+    for_ranges(
+        _project, len(opened), v.normal[s], v.tangent[s], opened, (job.visibility_texels // n) ** 2,
         cube_map.directions(n), _mean_directions(n), cube_map.solid_angles(n), light,
-        job.terms.light.shape[0], white, weight, most, job.tolerance, *room,
+        job.terms.light.shape[0], white, weight, most, job.tolerance, *room, grain=16,
     )  # fmt: skip
     vectors = room.packed()
     if not job.cluster_error:
@@ -99,11 +100,11 @@ def _mean_directions(n: int) -> NDArray[np.float64]:
 
 @njit(cache=True, nogil=True)
 def _project(
-    normal, tangent, opened, parts, directions, means, solid, light, size, white,
+    begin, end, normal, tangent, opened, parts, directions, means, solid, light, size, white,
     weight, most, tolerance, length, base, scale, place, steps,
 ):  # fmt: skip
     values = np.zeros((opened.shape[1], light.shape[1]), np.float32)
-    for i in range(opened.shape[0]):
+    for i in range(begin, end):
         values[:] = 0.0
         _sample(normal, tangent, i, opened, parts, directions, means, solid, light, size, values)
         to_haar(values)

@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.methods.base import Progress
-from engine.methods.chunks import Arrays, run_chunks
+from engine.methods.chunks import Arrays, CallingThread, run_chunks
 from engine.methods.glossy_prt.compression import Job as ClusterJob
 from engine.methods.glossy_prt.compression import cluster_chunk
-from engine.methods.glossy_prt.direct import SOURCE, direct_chunk
+from engine.methods.glossy_prt.direct import SOURCE, OpenParts, direct_chunk
 from engine.methods.glossy_prt.direct import Job as DirectJob
+from engine.methods.glossy_prt.gl_visibility import GlVisibility
 from engine.methods.glossy_prt.interreflection import Job as BounceJob
 from engine.methods.glossy_prt.interreflection import Sources, bounce_chunk, stack
 from engine.methods.glossy_prt.product import NAME, Prt, Stored, Transport
@@ -25,6 +26,7 @@ from engine.methods.glossy_prt.settings import Settings
 from engine.methods.glossy_prt.terms import Terms, terms_of
 from engine.methods.glossy_prt.vertices import Vertices, build_vertices
 from engine.methods.glossy_prt.views import Maps, stack_maps
+from engine.methods.glossy_prt.visibility import open_parts
 from engine.numerics.cluster_basis import Clusters
 from engine.numerics.wavelet_vectors import WaveletVectors, added
 from engine.scene.scene import Scene
@@ -119,23 +121,23 @@ class _Run:
     def _direct(self) -> tuple[list[Stored], list[WaveletVectors]]:
         """(direct transport, the vectors that bounces are gathered from)."""
         s = self.settings
+        executor, look_around = self._visibility()
         direct: list[Stored] = []
         sources = []
         for m, terms in enumerate(self.terms):
             job = DirectJob(
-                rays=self.scene.rays,
+                open_parts=look_around,
                 vertices=self.vertices,
                 bounds=self._bounds[m],
                 terms=terms,
                 light_texels=s.light_texels,
                 visibility_texels=s.visibility_texels,
-                coarse_texels=s.coarse_texels,
                 coefficients=s.coefficients,
                 tolerance=s.tolerance,
                 cluster_error=s.cluster_error,
                 sources=s.bounces > 0,
             )
-            made = self._made(f"direct-{m}", partial(direct_chunk, job), job.bounds)
+            made = self._made(f"direct-{m}", partial(direct_chunk, job), job.bounds, executor)
             if not s.cluster_error:
                 direct.append(_vectors(made))
                 sources.append(_vectors(made))
@@ -144,6 +146,16 @@ class _Run:
             if s.bounces:
                 sources.append(_vectors(made, SOURCE))
         return direct, sources
+
+    def _visibility(self) -> tuple[Executor, OpenParts]:
+        """(who finds what vertices see, how): a GL context belongs to one thread, which is this."""
+        s = self.settings
+        light, fine = s.light_texels, s.visibility_texels
+        if s.visibility == "gl":
+            return CallingThread(), GlVisibility(self.scene, light, fine)
+        coarse = s.coarse_texels
+        look = partial(open_parts, self.scene.rays, light=light, fine=fine, coarse=coarse)
+        return self._executor, look
 
     def _bounced(self, direct: list[WaveletVectors]) -> tuple[list[WaveletVectors], float]:
         """(sum of the passes, part of all light that would still follow)."""
@@ -189,7 +201,11 @@ class _Run:
             tolerance=s.tolerance,
             channels=channels,
         )
-        return _vectors(self._made(f"bounce-{number}-{m}", partial(bounce_chunk, job), job.bounds))
+        return _vectors(
+            self._made(
+                f"bounce-{number}-{m}", partial(bounce_chunk, job), job.bounds, self._executor
+            )
+        )
 
     def _clustered(self, m: int, vectors: WaveletVectors) -> Clusters:
         s, terms = self.settings, self.terms[m]
@@ -201,11 +217,17 @@ class _Run:
             light_texels=s.light_texels,
             error=s.cluster_error,
         )
-        made = self._made(f"clusters-{m}", partial(cluster_chunk, job), job.bounds)
+        made = self._made(f"clusters-{m}", partial(cluster_chunk, job), job.bounds, self._executor)
         return Clusters(*(made[name] for name in Clusters._fields))
 
-    def _made(self, name: str, work: Callable[[int], Arrays], bounds: NDArray[np.int32]) -> Arrays:
-        return run_chunks(work, len(bounds) - 1, name, self._parts, self._executor, self._progress)
+    def _made(
+        self,
+        name: str,
+        work: Callable[[int], Arrays],
+        bounds: NDArray[np.int32],
+        executor: Executor,
+    ) -> Arrays:
+        return run_chunks(work, len(bounds) - 1, name, self._parts, executor, self._progress)
 
 
 def _vectors(arrays: Arrays, prefix: str = "") -> WaveletVectors:

@@ -12,26 +12,30 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.backend.choice import Backend, wanted
+from engine.backend.choice import Backend, chosen_device, instead_of_gl
 from engine.backend.cpu.vectors import Factor
+from engine.backend.gl.context import Device
+from engine.backend.gl.vectors import Part, StoredVectors
 from engine.diagnosis import Diagnosis
+from engine.errors import BackendError
 from engine.light.cube_light import CubeLight
 from engine.light.environment import Environment, is_same
 from engine.methods.base import Frame, require_supported
 from engine.methods.clock import Clock
+from engine.methods.glossy_prt.gl_prt import GlPrt
 from engine.methods.glossy_prt.settings import Settings
 from engine.methods.glossy_prt.terms import Terms
 from engine.methods.glossy_prt.vertices import Vertices
 from engine.methods.glossy_prt.view import View, look, shade
 from engine.methods.glossy_prt.views import stack_maps
 from engine.numerics.cluster_basis import Clusters
+from engine.numerics.cube_map import FACES
 from engine.numerics.wavelet_vectors import WaveletVectors
 from engine.scene.camera import Camera
 from engine.scene.edits import Edits, edited_camera, edited_environment
 from engine.scene.scene import Scene
 
 NAME = "glossy_prt"
-NO_GL = Diagnosis("gl_unavailable", "The CPU draws: this method has no GL backend yet.")
 SAID = 0.02  # of all light: less is not worth a warning
 
 
@@ -76,6 +80,9 @@ class Prt:
         self._light = CubeLight(settings.light_texels)
         self._lit: tuple[Environment | None, NDArray[np.float32]] | None = None
         self._view: tuple[Camera, int, View] | None = None
+        # What draws on the GPU, from the first frame that it draws; then why it does not.
+        self._gl: GlPrt | None = None
+        self._gl_failed: Diagnosis | None = None
         said = (_local_lights(scene), _truncated(transport.left))
         self._of_scene = tuple(d for d in said if d is not None)
 
@@ -97,22 +104,50 @@ class Prt:
     def relight(self, edits: Edits, scale: int = 1, backend: Backend | None = None) -> Frame:
         """See `engine.methods.base.Product.relight`."""
         require_supported(NAME, edits)
+        environment = edited_environment(
+            self.scene.environment, edits.environment, Path(self.scene.folder)
+        )
+        camera = edited_camera(self.scene.camera, edits.camera)
+        device, notices = chosen_device(backend)
+        if device is not None and self._gl_failed is None:
+            try:
+                clock = Clock(device.context.finish)
+                self._gl = self._gl or self._on_gl(device)
+                image = self._gl.draw(environment, camera, scale, clock)
+                return Frame(image, clock.timings(), (*notices, *self._of_scene))
+            except BackendError as error:
+                self._gl, self._gl_failed = None, instead_of_gl(error)
+        if device is not None and self._gl_failed is not None:
+            notices = (self._gl_failed,)
         clock = Clock()
-        scene = self.scene
-        environment = edited_environment(scene.environment, edits.environment, Path(scene.folder))
-        camera = edited_camera(scene.camera, edits.camera)
+        image = self._on_cpu(environment, camera, scale, clock)
+        return Frame(image, clock.timings(), (*notices, *self._of_scene))
+
+    def _on_cpu(
+        self, environment: Environment | None, camera: Camera, scale: int, clock: Clock
+    ) -> NDArray[np.float32]:
         with clock("transport"):
             lit = self.lit(environment)
         with clock("view"):
             view = self._seen(camera, scale)
         with clock("shade"):
-            args = (scene, self.vertices, self._maps, lit)
+            args = (self.scene, self.vertices, self._maps, lit)
             image = shade(*args, view.centre, environment)
             if len(view.edge):
                 sub = shade(*args, view.sub, environment)
                 image[view.edge] = sub.reshape(-1, 4, 3).mean(axis=1)
-        notices = (NO_GL, *self._of_scene) if wanted(backend) == "gl" else self._of_scene
-        return Frame(image.reshape(*view.shape, 3), clock.timings(), notices)
+        return image.reshape(*view.shape, 3)
+
+    def _on_gl(self, device: Device) -> GlPrt:
+        first, texels = self._maps.first.tolist(), FACES * self._settings.light_texels**2
+        vectors = StoredVectors(device, texels, *(
+            [Part(first[m], self.terms[m].count, stored) for m, stored in enumerate(part)]
+            for part in (self.transport.direct, self.transport.bounced)
+        ))  # fmt: skip
+        return GlPrt(
+            device, self.scene, self.vertices, self._maps,
+            lambda environment: vectors.multiply(self._light.coefficients(environment)),
+        )  # fmt: skip
 
     def lit(self, environment: Environment | None) -> NDArray[np.float32]:
         """(rows, 3) float32: light-dependent vectors of all vertices; the last ones are kept."""

@@ -26,10 +26,14 @@ class Settings:
     out: 0 to 0.5. With 0 every vertex has its own wavelets, as in the paper."""
 
     light_texels: int = 64
-    """Texels along a face of the light's cube map: 8, 16, 32, 64 or 128 (§4.1)."""
+    """Texels along a face of the light's cube map: 8, 16, 32 or 64 (§4.1)."""
 
     visibility_texels: int = 128
     """The same of the visibility that is averaged down to it: as many, or twice as many (§4.1)."""
+
+    visibility: str = "rays"
+    """What finds it: `rays`, coarsely first, or `gl`, which rasterises all of it as the paper does
+    and wants a GPU."""
 
     coarse_texels: int = 16
     """Where visibility starts from: cells of 90 / 16 degrees that agree with the cells around them
@@ -64,9 +68,11 @@ class Settings:
             value = getattr(self, name)
             if not low <= value <= high:
                 raise InputError(f"{value} is not between {low} and {high}", field=name)
+        if self.visibility not in ("rays", "gl"):
+            raise InputError(f"{self.visibility!r} is neither rays nor gl", field="visibility")
         light, fine, coarse = self.light_texels, self.visibility_texels, self.coarse_texels
-        if light not in (8, 16, 32, 64, 128):
-            raise InputError(f"{light} is none of 8, 16, 32, 64, 128", field="light_texels")
+        if light not in (8, 16, 32, 64):
+            raise InputError(f"{light} is none of 8, 16, 32, 64", field="light_texels")
         if self.gather_texels not in (4, 8, 16, 32, 64):
             raise InputError(
                 f"{self.gather_texels} is none of 4, 8, 16, 32, 64", field="gather_texels"
