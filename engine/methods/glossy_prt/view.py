@@ -1,4 +1,4 @@
-"""What a camera sees of a mesh, and its colour from the light-dependent vectors of the corners."""
+"""What a camera sees of a mesh."""
 
 from __future__ import annotations
 
@@ -9,13 +9,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.backend.cpu.raster import on_triangle, visible_triangles
-from engine.light.environment import Environment
-from engine.light.environment_samples import places_on_map, seen_radiance
-from engine.methods.glossy_prt.vertices import Vertices
-from engine.methods.glossy_prt.views import Maps, corner_views, first_row
+from engine.light.environment_samples import places_on_map
 from engine.numerics.borrow import borrow
 from engine.numerics.parallel import for_ranges
-from engine.numerics.vec import normalize, scale, vec
+from engine.numerics.vec import normalize
 from engine.scene.camera import SUBSAMPLES, Camera
 from engine.scene.scene import Scene
 
@@ -159,53 +156,3 @@ def _find_edges(start, stop, geometry, seen, width, edge):
             ):
                 edge[i] = True
                 break
-
-
-def shade(
-    scene: Scene,
-    vertices: Vertices,
-    maps: Maps,
-    lit: NDArray[np.float32],
-    seen: Seen,
-    environment: Environment | None,
-) -> NDArray[np.float32]:
-    """(m, 3) float32: radiance that comes along the rays.
-
-    lit (rows, 3) float32 holds the light-dependent vectors, term by term of every vertex.
-    """
-    out = np.zeros((len(seen.triangle), 3), np.float32)
-    for_ranges(
-        _shade, len(out), scene.geometry, scene.material_table, vertices, maps, lit,
-        int(maps.terms.max()), seen, out, grain=2048,
-    )  # fmt: skip
-    if environment is not None:
-        out[seen.beyond] = seen_radiance(environment, seen.places)
-    return out
-
-
-@njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _shade(start, stop, geometry, materials, vertices, maps, lit, most, seen, out):
-    geometry, materials, maps = borrow(geometry), borrow(materials), borrow(maps)
-    vertices, seen, flat = borrow(vertices), borrow(seen), borrow(lit.reshape(-1))
-    row, h = np.zeros(materials.row.shape[1], np.float32), np.zeros((3, 3 * most), np.float32)
-    total = np.zeros(3 * most, np.float32)
-    for i in range(start, stop):
-        t = seen.triangle[i]
-        if t < 0:
-            continue
-        m, w = geometry.material[t], scale(vec(seen.away, i), -1.0)
-        wide = 3 * corner_views(
-            geometry, materials, vertices, maps, t, seen.b1[i], seen.b2[i], w, row, h
-        )
-        for q in range(wide):
-            total[q] = 0
-        for corner in range(3):
-            first = 3 * first_row(maps, vertices, m, vertices.corners[t, corner])
-            g, f = flat[first : first + wide], h[corner]
-            for q in range(wide):
-                total[q] += f[q] * g[q]
-        for c in range(3):
-            light = np.float32(0)
-            for q in range(c, wide, 3):
-                light += total[q]
-            out[i, c] = max(np.float32(0), light) + materials.emission[m, c]

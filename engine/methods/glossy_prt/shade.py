@@ -1,7 +1,7 @@
-"""Pictures for a camera that stands while the light changes: the view's part is found once.
+"""Colours of what a camera sees, from light-dependent vectors of corners: `glossy_prt` §4.3.
 
-What `corner_views` finds for every ray depends on the camera alone (`glossy_prt` eq. 5). Kept, it
-makes a new light a few products a pixel.
+What `corner_views` finds for every ray depends on the camera alone (eq. 5). It is found once for a
+camera, so that a new light is a few products a pixel.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from engine.numerics.vec import scale, vec
 from engine.scene.scene import Scene
 
 
-class Standing(NamedTuple):
+class Responses(NamedTuple):
     """View-dependent vectors of m rays.
 
     start  (m + 1,) int64   where those of a ray begin in h: none, one of 3 K numbers for all
@@ -35,7 +35,7 @@ class Standing(NamedTuple):
     h: NDArray[np.float32]
 
 
-def stand(scene: Scene, vertices: Vertices, maps: Maps, seen: Seen) -> Standing:
+def respond(scene: Scene, vertices: Vertices, maps: Maps, seen: Seen) -> Responses:
     """The view-dependent vectors of what rays meet."""
     start = np.zeros(len(seen.triangle) + 1, np.int64)
     for_ranges(_count, len(seen.triangle), scene.geometry, vertices, maps, seen, start[1:])
@@ -45,23 +45,26 @@ def stand(scene: Scene, vertices: Vertices, maps: Maps, seen: Seen) -> Standing:
         _fill, len(seen.triangle), scene.geometry, scene.material_table, vertices, maps, seen,
         int(maps.terms.max()), start, h, grain=2048,
     )  # fmt: skip
-    return Standing(start, h)
+    return Responses(start, h)
 
 
-def shade_standing(
+def shade(
     scene: Scene,
     vertices: Vertices,
     maps: Maps,
     lit: NDArray[np.float32],
     seen: Seen,
-    standing: Standing,
+    responses: Responses,
     environment: Environment | None,
 ) -> NDArray[np.float32]:
-    """What `view.shade` gives, (m, 3) float32."""
+    """(m, 3) float32: radiance that comes along the rays.
+
+    lit (rows, 3) float32 holds the light-dependent vectors, term by term of every vertex.
+    """
     out = np.zeros((len(seen.triangle), 3), np.float32)
     for_ranges(
         _shade, len(out), scene.geometry, scene.material_table, vertices, maps, lit, seen,
-        *standing, out, grain=2048,
+        *responses, out, grain=2048,
     )  # fmt: skip
     if environment is not None:
         out[seen.beyond] = seen_radiance(environment, seen.places)
@@ -76,6 +79,8 @@ def _one_frame(vertices, maps, t, m):
 
 @njit(cache=True, nogil=True)
 def _count(begin, end, geometry, vertices, maps, seen, out):
+    geometry, vertices = borrow(geometry), borrow(vertices)
+    maps, seen = borrow(maps), borrow(seen)
     for i in range(begin, end):
         t = seen.triangle[i]
         if t >= 0:
@@ -83,7 +88,7 @@ def _count(begin, end, geometry, vertices, maps, seen, out):
             out[i] = 3 * maps.terms[m] * (1 if _one_frame(vertices, maps, t, m) else 3)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
 def _fill(begin, end, geometry, materials, vertices, maps, seen, most, start, out):
     geometry, materials, maps = borrow(geometry), borrow(materials), borrow(maps)
     vertices, seen, out = borrow(vertices), borrow(seen), borrow(out)
@@ -98,12 +103,13 @@ def _fill(begin, end, geometry, materials, vertices, maps, seen, most, start, ou
             geometry, materials, vertices, maps, t, seen.b1[i], seen.b2[i], w, row, h
         )
         into = out[start[i] : start[i + 1]]
-        if _one_frame(vertices, maps, t, geometry.material[t]):
+        if into.shape[0] == wide:
             for q in range(wide):
                 into[q] = h[0, q] + h[1, q] + h[2, q]
         else:
-            for q in range(3 * wide):
-                into[q] = h[q // wide, q % wide]
+            for corner in range(3):
+                for q in range(wide):
+                    into[corner * wide + q] = h[corner, q]
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
