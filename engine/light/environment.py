@@ -26,6 +26,8 @@ from engine.numerics.description import Description, Finite, NonNegative, Radian
 class EnvironmentDescription(Description):
     """`map` is a file, the name of a built-in map, a constant radiance, or a clear sky.
 
+    Files hold latitude-longitude maps or cube maps (`engine.light.cube_file`).
+
     Without `background` the camera sees black where it meets nothing; the light is the same.
     """
 
