@@ -16,6 +16,7 @@ from engine.methods.base import Progress
 from engine.methods.chunks import run_chunks
 from engine.methods.glossy_prt.direct import Job as DirectJob
 from engine.methods.glossy_prt.direct import direct_chunk
+from engine.methods.glossy_prt.fits import fits_of
 from engine.methods.glossy_prt.interreflection import Job as BounceJob
 from engine.methods.glossy_prt.interreflection import Sources, bounce_chunk, stack
 from engine.methods.glossy_prt.product import NAME, Prt
@@ -40,13 +41,14 @@ def precompute(
     vertices = build_vertices(scene)
     progress("vertices", 1, 1)
     terms = _terms(scene, settings, entry, progress)
+    fits = fits_of(scene, terms, entry, progress)
     run = _Run(scene, settings, vertices, terms, entry, parts, executor, progress)
     direct, left = run.direct(), 0.0
     bounced: list[WaveletVectors] | None = None
     if settings.bounces:
         bounced, left = run.bounced(direct)
     parts.remove()
-    return Prt(scene, settings, vertices, terms, direct, bounced, left)
+    return Prt(scene, settings, vertices, terms, direct, bounced, left, fits)
 
 
 class _Run:

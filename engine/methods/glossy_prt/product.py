@@ -16,8 +16,9 @@ from engine.backend.cpu.vectors import multiply_vectors
 from engine.diagnosis import Diagnosis
 from engine.light.cube_light import CubeLight
 from engine.light.environment import Environment, is_same
-from engine.methods.base import Frame, require_supported
+from engine.methods.base import Frame, MaterialFit, require_supported
 from engine.methods.clock import Clock
+from engine.methods.glossy_prt.fits import Fits
 from engine.methods.glossy_prt.settings import Settings
 from engine.methods.glossy_prt.terms import Terms
 from engine.methods.glossy_prt.vertices import Vertices
@@ -45,9 +46,10 @@ class Prt:
         direct: list[WaveletVectors],
         bounced: list[WaveletVectors] | None,
         left: float,
+        fits: Fits,
     ) -> None:
-        """terms, direct and bounced are of the scene's materials; left is the part of all light
-        that passes which were not made would bring.
+        """terms, direct, bounced and fits are of the scene's materials; left is the part of all
+        light that passes which were not made would bring.
         """
         self.scene, self._settings = scene, settings
         self.vertices, self.terms, self.direct, self.bounced = vertices, terms, direct, bounced
@@ -57,7 +59,8 @@ class Prt:
         self._lit: tuple[Environment | None, NDArray[np.float32]] | None = None
         self._view: tuple[Camera, int, View] | None = None
         said = (_local_lights(scene), _truncated(left))
-        self._of_scene = tuple(d for d in said if d is not None)
+        self._of_scene = (*(d for d in said if d is not None), *fits.said)
+        self._fits = fits.materials
 
     @property
     def method(self) -> str:
@@ -73,6 +76,11 @@ class Prt:
     def bytes(self) -> int:
         """Bytes of the transport vectors."""
         return sum(a.nbytes for vectors in self._sets for _, v in vectors for a in v)
+
+    @property
+    def fits(self) -> tuple[MaterialFit, ...]:
+        """How well the terms fit the materials that something is made of."""
+        return self._fits
 
     def relight(self, edits: Edits, scale: int = 1, backend: Backend | None = None) -> Frame:
         """See `engine.methods.base.Product.relight`."""
