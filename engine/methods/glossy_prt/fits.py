@@ -25,7 +25,7 @@ EXACT = Fit(0.0, 1.0, 0.0, 1, 1.0)
 
 
 class Fits(NamedTuple):
-    """Of the materials that something is made of; what to say of those that fit badly."""
+    """Of the materials that something is made of; what to say if some fit badly."""
 
     materials: tuple[MaterialFit, ...]
     said: tuple[Diagnosis, ...]
@@ -46,15 +46,16 @@ def fits_of(scene: Scene, terms: list[Terms], entry: Entry, progress: Progress) 
             matt = isinstance(material, Diffuse)
             fits.append(EXACT if matt else fit_of(material, factored[m], BOUND))
         entry.write("fits", {}, {"fits": [list(fit) for fit in fits]})
-    names = scene.material_names
-    said = (fit_diagnosis(names[m], f, factored[m], BOUND) for m, f in zip(used, fits, strict=True))
-    return Fits(
-        tuple(
-            MaterialFit(names[m], terms[m].count, terms[m].channels, fit.error)
-            for m, fit in zip(used, fits, strict=True)
-        ),
-        tuple(d for d in said if d is not None),
+    each = tuple(
+        MaterialFit(scene.material_names[m], terms[m].count, terms[m].channels, fit.error)
+        for m, fit in zip(used, fits, strict=True)
     )
+    worst = int(np.argmax([fit.error for fit in fits]))
+    told = fit_diagnosis(each[worst].name, fits[worst], factored[used[worst]], BOUND)
+    others = [repr(e.name) for k, e in enumerate(each) if k != worst and e.error > BOUND]
+    if told is not None and others:
+        told = Diagnosis(told.code, f"{told.message} So, less, are {', '.join(others)}.", told.size)
+    return Fits(each, () if told is None else (told,))
 
 
 def _factored(terms: Terms, material: Material) -> Factored:

@@ -82,7 +82,17 @@ def test_what_is_too_glossy_is_said_in_every_frame(store: Store) -> None:
     assert len(said) == 1
     assert "'mirror'" in said[0].message
     assert "would hold 50 %" in said[0].message
+    assert "satin" not in said[0].message
     assert said[0].size > 0.9
+
+
+def test_of_several_that_are_too_glossy_the_worst_is_told(store: Store) -> None:
+    chrome = {**MIRROR, "diffuse": [0, 0, 0]}
+    where = balls(mirror=MIRROR, chrome=chrome, clay=CLAY)
+    product = prepare(where, "glossy_prt", Settings(**SMALL), store=store)
+    (said,) = product.relight(Edits()).warnings
+    assert said.message.startswith("Material 'chrome' is")
+    assert said.message.endswith("So, less, are 'mirror'.")
 
 
 def test_more_terms_fit_better(store: Store) -> None:
