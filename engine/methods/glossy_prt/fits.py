@@ -54,7 +54,9 @@ def fits_of(scene: Scene, terms: list[Terms], entry: Entry, progress: Progress) 
     told = fit_diagnosis(each[worst].name, fits[worst], factored[used[worst]], BOUND)
     others = [repr(e.name) for k, e in enumerate(each) if k != worst and e.error > BOUND]
     if told is not None and others:
-        told = Diagnosis(told.code, f"{told.message} So, less, are {', '.join(others)}.", told.size)
+        told = Diagnosis(
+            told.code, f"{told.message} Too glossy as well: {', '.join(others)}.", told.size
+        )
     return Fits(each, () if told is None else (told,))
 
 

@@ -92,7 +92,7 @@ def test_of_several_that_are_too_glossy_the_worst_is_told(store: Store) -> None:
     product = prepare(where, "glossy_prt", Settings(**SMALL), store=store)
     (said,) = product.relight(Edits()).warnings
     assert said.message.startswith("Material 'chrome' is")
-    assert said.message.endswith("So, less, are 'mirror'.")
+    assert said.message.endswith("Too glossy as well: 'mirror'.")
 
 
 def test_more_terms_fit_better(store: Store) -> None:
