@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.light.far_disk import Disk
+from engine.light.far_disk import Disk, radius_of
 from engine.numerics import cube_map
 
 FINE = 1024  # places along a face
@@ -22,10 +22,9 @@ FINE = 1024  # places along a face
 def covered(disk: Disk, n: int) -> NDArray[np.float32]:
     """(6 n²,) float32: the part of the texels' solid angles that lies in the disk."""
     out = np.zeros(cube_map.FACES * n * n, np.float32)
-    radius = 2 * math.asin(math.sqrt(disk.versine / 2))
     x, y = cube_map.coordinates(n)
     _cover(
-        np.array(disk.axis), radius, 2 * math.pi * disk.versine, cube_map.directions(n),
+        np.array(disk.axis), radius_of(disk), 2 * math.pi * disk.versine, cube_map.directions(n),
         cube_map.solid_angles(n), x, y, max(1, FINE // n), out,
     )  # fmt: skip
     return out

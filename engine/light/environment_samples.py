@@ -20,6 +20,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.light.environment import Environment
+from engine.light.far_disk import radius_of
 from engine.numerics.octahedron import centres
 from engine.numerics.parallel import for_ranges
 
@@ -49,8 +50,7 @@ def seen_radiance(environment: Environment, places: NDArray[np.float32]) -> NDAr
     if environment.description.area_light is not None:
         disk = environment.disk
         centre = places_on_map(np.array([disk.axis]))[0]
-        radius = 2 * math.asin(math.sqrt(disk.versine / 2))
-        for_ranges(_add_disk, len(places), centre, radius, disk.radiance, places, out)
+        for_ranges(_add_disk, len(places), centre, radius_of(disk), disk.radiance, places, out)
     return out
 
 

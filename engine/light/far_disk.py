@@ -67,6 +67,11 @@ def disk_of(light: FarDisk, rotation_degrees: float, intensity: float) -> Disk:
     )
 
 
+def radius_of(disk: Disk) -> float:
+    """Radians."""
+    return 2 * math.asin(math.sqrt(disk.versine / 2))
+
+
 @njit
 def on_disk(disk, d):
     """Whether unit d points at it: 1 - cos is half the squared distance of unit vectors."""

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from engine.methods.base import Progress
 from engine.store import Entry
@@ -18,6 +19,20 @@ IN_FLIGHT = 8
 Arrays = dict[str, NDArray[Any]]
 
 
+class CallingThread(Executor):
+    """Does at once what is submitted: for work that belongs to the thread that asks for it."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """A future that is done."""
+        done: Future[Any] = Future()
+        try:
+            done.set_result(fn(*args, **kwargs))
+        except Exception as error:
+            done.set_exception(error)
+        return done
+
+
+@threadpool_limits.wrap(limits=1, user_api="blas")
 def run_chunks(
     work: Callable[[int], Arrays],
     chunks: int,
@@ -27,6 +42,9 @@ def run_chunks(
     progress: Progress,
 ) -> Arrays:
     """The arrays of work(0), work(1), ... work(chunks - 1), joined along their first axis in order.
+
+    Matrix products keep to one thread meanwhile: chunks fill the cores, and their bits then do not
+    depend on how many there are.
 
     Raises whatever `progress` or a chunk raises, after asking what still waits not to start; the
     chunks that have finished by then stay in `entry`.
@@ -39,9 +57,10 @@ def run_chunks(
     missing = [chunk for chunk in range(chunks) if chunk not in parts]
     progress(phase, len(parts), chunks)
     running: dict[Future[Arrays], int] = {}
+    most = 1 if isinstance(executor, CallingThread) else IN_FLIGHT  # so that progress is told
     try:
         while missing or running:
-            while missing and len(running) < IN_FLIGHT:
+            while missing and len(running) < most:
                 chunk = missing.pop(0)
                 running[executor.submit(work, chunk)] = chunk
             done, _ = wait(running, timeout=0.2, return_when=FIRST_COMPLETED)

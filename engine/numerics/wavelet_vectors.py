@@ -188,6 +188,14 @@ def added(
     return room.packed()
 
 
+def shortened(
+    vectors: WaveletVectors, weight: NDArray[np.float32], most: int, tolerance: float, n: int
+) -> WaveletVectors:
+    """The vectors with no more than `most` places, on cube maps of n x n texels a face."""
+    nothing = room_for(len(vectors.length), 0, vectors.scale.shape[1]).packed()
+    return added(vectors, nothing, weight, most, tolerance, n)
+
+
 @njit(cache=True, nogil=True)
 def _add_pairs(
     begin, end, a_start, a_base, a_scale, a_place, a_steps,

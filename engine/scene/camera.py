@@ -49,6 +49,24 @@ class Camera(Description):
         right /= np.linalg.norm(right)
         return np.stack([right, np.cross(back, right), back])
 
+    def shape(self, step: int = 1) -> tuple[int, int]:
+        """(height, width) of the picture of every step-th pixel of every step-th row."""
+        return -(-self.height // step), -(-self.width // step)
+
+    def to_pixels(self, step: int = 1) -> NDArray[np.float64]:
+        """(3, 3): takes a direction from the eye to (x d, y d, d).
+
+        Column x and row y of that picture, pixel centres at whole numbers, and depth d in metres.
+        """
+        right, up, back = self.basis()
+        size = 0.5 * np.array([self.width, self.height])
+        scale = size[1] / math.tan(math.radians(self.fov_y_degrees) / 2)
+        return np.stack([
+            (scale * right - (size[0] - 0.5) * back) / step,
+            (-scale * up - (size[1] - 0.5) * back) / step,
+            -back,
+        ])  # fmt: skip
+
     def directions(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float32]:
         """Unit directions (n, 3) float32 through pixel coordinates.
 

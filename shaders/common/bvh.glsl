@@ -1,19 +1,19 @@
-// Shadow rays through the tree of engine/backend/gl/bvh.py.
+// Rays through the tree of engine/backend/gl/bvh.py.
 
 // Four rows per node: the lower and upper corners of both children's boxes, and in w of the first
 // two what the children are: a node's index, or -1 - (8 * first + count) for so many triangles.
 layout(std430) readonly buffer b_nodes { vec4 nodes[]; };
-// Three corners per triangle.
+// Three corners per triangle; in w of the first, which of the scene's it is.
 layout(std430) readonly buffer b_corners { vec4 corners[]; };
 
 const int STACK = 64; // the builder keeps the tree less deep than this
 
-// Whether a ray from the origin along d crosses a triangle before `limit` times d.
+// How many times d it is from the origin to a triangle; below 0 where the ray along d misses it.
 //
 // The ray passes an edge on the side that the sign of a triple product tells (Plücker coordinates).
 // Two triangles find the same number for the edge they share, up to its sign, so no ray slips
 // through between them: that needs every product rounded by itself, hence `precise`.
-bool crosses(vec3 a, vec3 b, vec3 c, vec3 d, float limit)
+float crossing(vec3 a, vec3 b, vec3 c, vec3 d)
 {
     precise vec3 ab = cross(a - b, a + b), bc = cross(b - c, b + c), ca = cross(c - a, c + a);
     precise float u = ab.x * d.x + ab.y * d.y + ab.z * d.z;
@@ -22,13 +22,10 @@ bool crosses(vec3 a, vec3 b, vec3 c, vec3 d, float limit)
     // The products themselves are rounded too: a ray aimed at an edge belongs to both sides.
     float tolerance = 5e-7 * abs(u + v + w);
     if (min(u, min(v, w)) < -tolerance && max(u, max(v, w)) > tolerance)
-        return false;
+        return -1.0;
     vec3 n = cross(b - a, c - a);
     float slope = dot(d, n);
-    if (slope == 0.0)
-        return false;
-    float t = dot(a, n) / slope;
-    return t >= 0.0 && t <= limit;
+    return slope == 0.0 ? -1.0 : dot(a, n) / slope;
 }
 
 // The distance at which a ray enters a box, in units of its direction; beyond `limit`: it does not.
@@ -42,9 +39,11 @@ float enters(vec3 low, vec3 high, vec3 o, vec3 inverse, float limit)
     return start <= end ? start : 3.4e38;
 }
 
-// Whether anything lies between o and o + limit * d.
-bool occluded(vec3 o, vec3 d, float limit)
+// The place in the tree of what a ray meets between o and o + limit * d: the first triangle, or just
+// any; -1 for none.
+int traced(vec3 o, vec3 d, float limit, const bool any_will_do)
 {
+    int found = -1;
     vec3 safe = mix(d, vec3(1e-30), equal(d, vec3(0.0)));
     vec3 inverse = 1.0 / safe;
     int stack[STACK];
@@ -52,10 +51,16 @@ bool occluded(vec3 o, vec3 d, float limit)
     while (true) {
         if (node < 0) {
             int leaf = -1 - node;
-            for (int k = leaf >> 3; k < (leaf >> 3) + (leaf & 7); k++)
-                if (crosses(corners[3 * k].xyz - o, corners[3 * k + 1].xyz - o,
-                            corners[3 * k + 2].xyz - o, d, limit))
-                    return true;
+            for (int k = leaf >> 3; k < (leaf >> 3) + (leaf & 7); k++) {
+                float t = crossing(corners[3 * k].xyz - o, corners[3 * k + 1].xyz - o,
+                                   corners[3 * k + 2].xyz - o, d);
+                if (t < 0.0 || t > limit)
+                    continue;
+                if (any_will_do)
+                    return k;
+                found = k;
+                limit = t;
+            }
         } else {
             vec4 low0 = nodes[4 * node], low1 = nodes[4 * node + 1];
             float t0 = enters(low0.xyz, nodes[4 * node + 2].xyz, o, inverse, limit);
@@ -74,7 +79,20 @@ bool occluded(vec3 o, vec3 d, float limit)
             }
         }
         if (top == 0)
-            return false;
+            return found;
         node = stack[--top];
     }
+}
+
+// Whether anything lies between o and o + limit * d.
+bool occluded(vec3 o, vec3 d, float limit)
+{
+    return traced(o, d, limit, true) >= 0;
+}
+
+// The scene's triangle that a ray from o along d meets first, -1 for none.
+int nearest(vec3 o, vec3 d)
+{
+    int k = traced(o, d, 1e30, false);
+    return k < 0 ? -1 : floatBitsToInt(corners[3 * k].w);
 }

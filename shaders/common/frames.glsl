@@ -1,5 +1,12 @@
 // Local frames: z is the normal; twin of engine/numerics/frames.py, which says where they are from.
 
+// v / |v|; the zero vector stays zero.
+vec3 unit(vec3 v)
+{
+    float size = length(v);
+    return size == 0.0 ? v : v / size;
+}
+
 // (s, t) for a unit normal n: s, t, n is right-handed and orthonormal.
 void tangents(vec3 n, out vec3 s, out vec3 t)
 {

@@ -1,4 +1,4 @@
-"""A tree of boxes over triangles, for the shadow rays of `shaders/common/bvh.glsl`.
+"""A tree of boxes over triangles, for the rays of `shaders/common/bvh.glsl`.
 
 Every node of two holds the boxes of both its children. It is split where the surface area
 heuristic, over BINS bins along each axis, is least (Wald 2007, *On fast Construction of SAH-based
@@ -26,7 +26,8 @@ class Tree(NamedTuple):
     nodes    (m, 4, 4) float32  low corner of either child's box, then high corner of either; in the
                                 last column of the first two rows, as int32 bits, the children: a
                                 node, or -1 - (8 first + count) for so many triangles
-    corners  (t, 3, 4) float32  the triangles in the order of the leaves, last column unused
+    corners  (t, 3, 4) float32  the triangles in the order of the leaves; in the last column of the
+                                first corner, as int32 bits, which triangle it is
     """
 
     nodes: NDArray[np.float32]
@@ -44,6 +45,7 @@ def build_tree(positions: NDArray[np.float32], triangles: NDArray[np.int32]) -> 
     count = _build(low, high, order, nodes, nodes.view(np.int32))
     sorted_corners = np.zeros((len(triangles), 3, 4), np.float32)
     sorted_corners[:, :, :3] = corners[order]
+    sorted_corners.view(np.int32)[:, 0, 3] = order
     return Tree(nodes[:count].copy(), sorted_corners)
 
 

@@ -59,6 +59,18 @@ class Device:
             self._programs[key] = Program(self.context, name, defines, made)
         return self._programs[key]
 
+    def drawing(self, name: str) -> Any:
+        """A program that draws: the shader `name` holds both stages, of which VERTEX is the first.
+
+        Raises BackendError, with the compiler's log, where it does not compile.
+        """
+        vertex, fragment = (load(name, {stage: 1}) for stage in ("VERTEX", "FRAGMENT"))
+        try:
+            return self.context.program(vertex_shader=vertex.text, fragment_shader=fragment.text)
+        except moderngl.Error as error:
+            # Lines are the same in both.
+            raise BackendError(f"{name} does not compile:\n{vertex.explain(str(error))}") from None
+
     def upload(self, array: NDArray[Any]) -> Any:
         """A buffer with the bytes of an array; one of no bytes has room for a few all the same."""
         limit = self.context.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"]

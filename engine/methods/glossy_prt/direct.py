@@ -10,6 +10,7 @@ open vertex are made to integrate to π, so that white light gives what it ought
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -20,56 +21,75 @@ from numpy.typing import NDArray
 
 from engine.methods.glossy_prt.terms import Terms
 from engine.methods.glossy_prt.vertices import Vertices, frame
-from engine.methods.glossy_prt.visibility import open_parts
 from engine.numerics import cube_map
+from engine.numerics.cluster_basis import cluster
 from engine.numerics.frames import to_local
 from engine.numerics.hemisphere_maps import disk_taps
+from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, vec
-from engine.numerics.wavelet_vectors import keep_largest, room_for, to_haar, white_light
-from engine.scene.rays import RayTracer
+from engine.numerics.wavelet_vectors import (
+    keep_largest,
+    room_for,
+    shortened,
+    to_haar,
+    white_light,
+)
 
-CHUNK = 128  # vertices
+OpenParts = Callable[[NDArray[np.float32], NDArray[np.float32]], NDArray[np.uint8]]
+TOGETHER = 64  # vertices whose visibility is found at a time
+SOURCE = "source_"  # before the names of the arrays of vectors that bounces are gathered from
+MOST = 1024  # wavelets of a vector that a cluster is made of
 
 
 @dataclass(frozen=True)
 class Job:
-    """Direct transport of some vertices of one material."""
+    """Direct transport of the clusters of one material.
 
-    rays: RayTracer
+    open_parts     (eye, normal) tells how much of each texel is open, as that of `visibility`
+    bounds         (clusters + 1,) where the vertices of each begin
+    cluster_error  of the clusters, see `cluster_basis`; 0 for none
+    sources        whether vectors of `coefficients` are wanted too where there are clusters
+    """
+
+    open_parts: OpenParts
     vertices: Vertices
-    first: int
-    count: int
+    bounds: NDArray[np.int32]
     terms: Terms
     light_texels: int
     visibility_texels: int
-    coarse_texels: int
     coefficients: int
     tolerance: float
-
-    @property
-    def chunks(self) -> int:
-        """How many pieces the work has."""
-        return -(-self.count // CHUNK)
+    cluster_error: float
+    sources: bool
 
 
 def direct_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
-    """The vectors of a chunk's vertices, as the arrays of `WaveletVectors`, and how many rays."""
-    first = job.first + chunk * CHUNK
-    s = slice(first, min(first + CHUNK, job.first + job.count))
+    """Transport of a cluster, as the arrays of `Clusters` or `WaveletVectors` or both of them."""
+    s = slice(job.bounds[chunk], job.bounds[chunk + 1])
     v, n = job.vertices, job.light_texels
-    opened, rays = open_parts(
-        job.rays, v.eye[s], v.normal[s],
-        light=n, fine=job.visibility_texels, coarse=job.coarse_texels,
-    )  # fmt: skip
-    light, most = job.terms.flat, job.coefficients
+    pieces = [slice(k, min(k + TOGETHER, s.stop)) for k in range(s.start, s.stop, TOGETHER)]
+    opened = np.concatenate(
+        [
+            np.zeros((0, cube_map.FACES * n * n), np.uint8),
+            *(job.open_parts(v.eye[piece], v.normal[piece]) for piece in pieces),
+        ]
+    )
+    light, weight = job.terms.flat, job.terms.weight_of(job.terms.channels)
+    white, most = white_light(n), MOST if job.cluster_error else job.coefficients
     room = room_for(len(opened), most, light.shape[1])
-    _project(
-        v.normal[s], v.tangent[s], opened, (job.visibility_texels // n) ** 2,
+    for_ranges(
+        _project, len(opened), v.normal[s], v.tangent[s], opened, (job.visibility_texels // n) ** 2,
         cube_map.directions(n), _mean_directions(n), cube_map.solid_angles(n), light,
-        job.terms.light.shape[0], white_light(n), job.terms.weight_of(job.terms.channels), most,
-        job.tolerance, *room,
+        job.terms.light.shape[0], white, weight, most, job.tolerance, *room, grain=16,
     )  # fmt: skip
-    return {**room.packed()._asdict(), "rays": np.array([rays])}
+    vectors = room.packed()
+    if not job.cluster_error:
+        return vectors._asdict()
+    made = cluster(vectors, white, weight, job.cluster_error)._asdict()
+    if job.sources:
+        short = shortened(vectors, weight, job.coefficients, job.tolerance, n)
+        made |= {f"{SOURCE}{name}": array for name, array in short._asdict().items()}
+    return made
 
 
 @cache
@@ -80,11 +100,11 @@ def _mean_directions(n: int) -> NDArray[np.float64]:
 
 @njit(cache=True, nogil=True)
 def _project(
-    normal, tangent, opened, parts, directions, means, solid, light, size, white,
+    begin, end, normal, tangent, opened, parts, directions, means, solid, light, size, white,
     weight, most, tolerance, length, base, scale, place, steps,
 ):  # fmt: skip
     values = np.zeros((opened.shape[1], light.shape[1]), np.float32)
-    for i in range(opened.shape[0]):
+    for i in range(begin, end):
         values[:] = 0.0
         _sample(normal, tangent, i, opened, parts, directions, means, solid, light, size, values)
         to_haar(values)

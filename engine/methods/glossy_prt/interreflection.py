@@ -36,8 +36,6 @@ from engine.numerics.wavelet_vectors import (
 )
 from engine.scene.scene import Scene
 
-CHUNK = 64  # vertices
-
 
 class Sources(NamedTuple):
     """The vectors of all materials behind each other.
@@ -61,12 +59,14 @@ class Sources(NamedTuple):
 
 @dataclass(frozen=True)
 class Job:
-    """One pass for some vertices of one material; `channels` of the vectors that it makes."""
+    """One pass for the clusters of one material; `channels` of the vectors that it makes.
+
+    bounds (clusters + 1,) tells where the vertices of each begin.
+    """
 
     scene: Scene
     vertices: Vertices
-    first: int
-    count: int
+    bounds: NDArray[np.int32]
     terms: Terms
     maps: Maps
     sources: Sources
@@ -75,11 +75,6 @@ class Job:
     coefficients: int
     tolerance: float
     channels: int
-
-    @property
-    def chunks(self) -> int:
-        """How many pieces the work has."""
-        return -(-self.count // CHUNK)
 
 
 def stack(vectors: Sequence[WaveletVectors], terms: Sequence[Terms]) -> Sources:
@@ -103,9 +98,9 @@ def stack(vectors: Sequence[WaveletVectors], terms: Sequence[Terms]) -> Sources:
 
 
 def bounce_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
-    """The vectors of a chunk's vertices, as the arrays of `WaveletVectors`."""
-    first = job.first + chunk * CHUNK
-    s = slice(first, min(first + CHUNK, job.first + job.count))
+    """The vectors of a cluster, as the arrays of `WaveletVectors`."""
+    first = int(job.bounds[chunk])
+    s = slice(first, int(job.bounds[chunk + 1]))
     v, rays = job.vertices, job.scene.rays
     directions = cube_map.directions(job.gather_texels)
     areas = cube_map.vector_areas(job.gather_texels)

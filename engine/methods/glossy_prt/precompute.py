@@ -3,32 +3,37 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import asdict
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engine.methods.base import Progress
-from engine.methods.chunks import run_chunks
+from engine.methods.chunks import Arrays, CallingThread, run_chunks
+from engine.methods.glossy_prt.compression import Job as ClusterJob
+from engine.methods.glossy_prt.compression import cluster_chunk
+from engine.methods.glossy_prt.direct import SOURCE, OpenParts, direct_chunk
 from engine.methods.glossy_prt.direct import Job as DirectJob
-from engine.methods.glossy_prt.direct import direct_chunk
 from engine.methods.glossy_prt.fits import fits_of
+from engine.methods.glossy_prt.gl_visibility import GlVisibility
 from engine.methods.glossy_prt.interreflection import Job as BounceJob
 from engine.methods.glossy_prt.interreflection import Sources, bounce_chunk, stack
-from engine.methods.glossy_prt.product import NAME, Prt
+from engine.methods.glossy_prt.product import NAME, Prt, Stored, Transport
 from engine.methods.glossy_prt.settings import Settings
 from engine.methods.glossy_prt.terms import Terms, terms_of
 from engine.methods.glossy_prt.vertices import Vertices, build_vertices
 from engine.methods.glossy_prt.views import Maps, stack_maps
+from engine.methods.glossy_prt.visibility import open_parts
+from engine.numerics.cluster_basis import Clusters
 from engine.numerics.wavelet_vectors import WaveletVectors, added
 from engine.scene.scene import Scene
 from engine.store import Entry, Store
 
-VERSION = 3  # of the stored arrays and of what they mean
+VERSION = 4  # of the stored arrays and of what they mean
 
 
 def precompute(
@@ -42,13 +47,39 @@ def precompute(
     progress("vertices", 1, 1)
     terms = _terms(scene, settings, entry, progress)
     fits = fits_of(scene, terms, entry, progress)
-    run = _Run(scene, settings, vertices, terms, entry, parts, executor, progress)
-    direct, left = run.direct(), 0.0
-    bounced: list[WaveletVectors] | None = None
-    if settings.bounces:
-        bounced, left = run.bounced(direct)
-    parts.remove()
-    return Prt(scene, settings, vertices, terms, direct, bounced, left, fits)
+    transport = _read(entry, settings, len(terms))
+    if transport is None:
+        transport = _Run(scene, settings, vertices, terms, parts, executor, progress).transport()
+        _write(transport, entry)
+        parts.remove()
+    return Prt(scene, settings, vertices, terms, transport, fits)
+
+
+def _write(transport: Transport, entry: Entry) -> None:
+    parts = {"direct": transport.direct, "bounced": transport.bounced}
+    arrays = {
+        f"{part}-{m}-{name}": array
+        for part, of_materials in parts.items()
+        for m, vectors in enumerate(of_materials)
+        for name, array in vectors._asdict().items()
+    }
+    entry.write("transport", arrays, {"left": transport.left})
+
+
+def _read(entry: Entry, settings: Settings, materials: int) -> Transport | None:
+    found = entry.read("transport")
+    if found is None:
+        return None
+    kind = Clusters if settings.cluster_error else WaveletVectors
+
+    def vectors(part: str) -> list[Stored]:
+        return [
+            kind(*(found.arrays[f"{part}-{m}-{name}"] for name in kind._fields))
+            for m in range(materials)
+        ]
+
+    bounced = vectors("bounced") if settings.bounces else []
+    return Transport(vectors("direct"), bounced, found.meta["left"])
 
 
 class _Run:
@@ -60,39 +91,75 @@ class _Run:
         settings: Settings,
         vertices: Vertices,
         terms: list[Terms],
-        entry: Entry,
         parts: Entry,
         executor: Executor,
         progress: Progress,
     ) -> None:
         self.scene, self.settings, self.vertices, self.terms = scene, settings, vertices, terms
-        self._entry, self._parts = entry, parts
-        self._executor, self._progress = executor, progress
+        self._parts, self._executor, self._progress = parts, executor, progress
         self._count = np.bincount(vertices.material, minlength=len(terms))
-        self._first = np.concatenate([[0], np.cumsum(self._count)])
+        first = np.concatenate([[0], np.cumsum(self._count)]).astype(np.int32)
+        # Where the clusters of a material begin, and its end; a material of nothing has an empty
+        # one.
+        begins = [
+            vertices.cluster[:-1][(vertices.cluster[:-1] >= a) & (vertices.cluster[:-1] < b)]
+            for a, b in itertools.pairwise(first)
+        ]
+        self._bounds = [
+            np.append(begin if len(begin) else a, b).astype(np.int32)
+            for begin, (a, b) in zip(begins, itertools.pairwise(first), strict=True)
+        ]
 
-    def direct(self) -> list[WaveletVectors]:
-        """Direct transport of all materials' vertices."""
+    def transport(self) -> Transport:
+        """Of all materials."""
+        direct, sources = self._direct()
+        if not self.settings.bounces:
+            return Transport(direct, [], 0.0)
+        bounced, left = self._bounced(sources)
+        if not self.settings.cluster_error:
+            return Transport(direct, list(bounced), left)
+        return Transport(direct, [self._clustered(m, v) for m, v in enumerate(bounced)], left)
+
+    def _direct(self) -> tuple[list[Stored], list[WaveletVectors]]:
+        """(direct transport, the vectors that bounces are gathered from)."""
         s = self.settings
-
-        def stored(m: int) -> WaveletVectors:
+        executor, look_around = self._visibility()
+        direct: list[Stored] = []
+        sources = []
+        for m, terms in enumerate(self.terms):
             job = DirectJob(
-                rays=self.scene.rays,
+                open_parts=look_around,
                 vertices=self.vertices,
-                first=int(self._first[m]),
-                count=int(self._count[m]),
-                terms=self.terms[m],
+                bounds=self._bounds[m],
+                terms=terms,
                 light_texels=s.light_texels,
                 visibility_texels=s.visibility_texels,
-                coarse_texels=s.coarse_texels,
                 coefficients=s.coefficients,
                 tolerance=s.tolerance,
+                cluster_error=s.cluster_error,
+                sources=s.bounces > 0,
             )
-            return self._stored(f"direct-{m}", partial(direct_chunk, job), job.chunks)
+            made = self._made(f"direct-{m}", partial(direct_chunk, job), job.bounds, executor)
+            if not s.cluster_error:
+                direct.append(_vectors(made))
+                sources.append(_vectors(made))
+                continue
+            direct.append(Clusters(*(made[name] for name in Clusters._fields)))
+            if s.bounces:
+                sources.append(_vectors(made, SOURCE))
+        return direct, sources
 
-        return [stored(m) for m in range(len(self.terms))]
+    def _visibility(self) -> tuple[Executor, OpenParts]:
+        """(who finds what vertices see, how): a GL context belongs to one thread, which is this."""
+        s = self.settings
+        light, fine = s.light_texels, s.visibility_texels
+        if s.visibility == "gl":
+            return CallingThread(), GlVisibility(self.scene, light, fine)
+        coarse = s.coarse_texels
+        look = partial(open_parts, self.scene.rays, light=light, fine=fine, coarse=coarse)
+        return self._executor, look
 
-    def bounced(self, direct: list[WaveletVectors]) -> tuple[list[WaveletVectors], float]:
+    def _bounced(self, direct: list[WaveletVectors]) -> tuple[list[WaveletVectors], float]:
         """(sum of the passes, part of all light that would still follow)."""
         s, n = self.settings, self.settings.light_texels
         channels = 1 if all(map(_is_grey, self.terms)) else 3
@@ -126,8 +193,7 @@ class _Run:
         job = BounceJob(
             scene=self.scene,
             vertices=self.vertices,
-            first=int(self._first[m]),
-            count=int(self._count[m]),
+            bounds=self._bounds[m],
             terms=self.terms[m],
             maps=maps,
             sources=sources,
@@ -137,22 +203,37 @@ class _Run:
             tolerance=s.tolerance,
             channels=channels,
         )
-        return self._stored(f"bounce-{number}-{m}", partial(bounce_chunk, job), job.chunks)
+        return _vectors(
+            self._made(
+                f"bounce-{number}-{m}", partial(bounce_chunk, job), job.bounds, self._executor
+            )
+        )
 
-    def _stored(
-        self, name: str, work: Callable[[int], dict[str, NDArray[Any]]], chunks: int
-    ) -> WaveletVectors:
-        """The vectors of that name, from the store or from their chunks."""
-        found = self._entry.read(name)
-        if found is not None:
-            return WaveletVectors(*(found.arrays[field] for field in WaveletVectors._fields))
-        # A material that nothing has still gives arrays, if empty ones.
-        if chunks == 0:
-            made = work(0)
-        else:
-            made = run_chunks(work, chunks, name, self._parts, self._executor, self._progress)
-        self._entry.write(name, made, {"settings": asdict(self.settings)})
-        return WaveletVectors(*(made[field] for field in WaveletVectors._fields))
+    def _clustered(self, m: int, vectors: WaveletVectors) -> Clusters:
+        s, terms = self.settings, self.terms[m]
+        job = ClusterJob(
+            vectors=vectors,
+            start=vectors.start,
+            bounds=self._bounds[m] - self._bounds[m][0],
+            weight=terms.weight_of(vectors.scale.shape[1] // terms.count),
+            light_texels=s.light_texels,
+            error=s.cluster_error,
+        )
+        made = self._made(f"clusters-{m}", partial(cluster_chunk, job), job.bounds, self._executor)
+        return Clusters(*(made[name] for name in Clusters._fields))
+
+    def _made(
+        self,
+        name: str,
+        work: Callable[[int], Arrays],
+        bounds: NDArray[np.int32],
+        executor: Executor,
+    ) -> Arrays:
+        return run_chunks(work, len(bounds) - 1, name, self._parts, executor, self._progress)
+
+
+def _vectors(arrays: Arrays, prefix: str = "") -> WaveletVectors:
+    return WaveletVectors(*(arrays[f"{prefix}{name}"] for name in WaveletVectors._fields))
 
 
 def _is_grey(terms: Terms) -> bool:

@@ -7,31 +7,53 @@ picture; a new camera is a picture alone.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.backend.choice import Backend, wanted
-from engine.backend.cpu.vectors import multiply_vectors
+from engine.backend.choice import Backend, chosen_device, instead_of_gl
+from engine.backend.cpu.vectors import Factor
+from engine.backend.gl.context import Device
+from engine.backend.gl.vectors import Part, StoredVectors
 from engine.diagnosis import Diagnosis
+from engine.errors import BackendError
 from engine.light.cube_light import CubeLight
 from engine.light.environment import Environment, is_same
 from engine.methods.base import Frame, MaterialFit, require_supported
 from engine.methods.clock import Clock
 from engine.methods.glossy_prt.fits import Fits
+from engine.methods.glossy_prt.gl_prt import GlPrt
 from engine.methods.glossy_prt.settings import Settings
 from engine.methods.glossy_prt.terms import Terms
 from engine.methods.glossy_prt.vertices import Vertices
 from engine.methods.glossy_prt.view import View, look, shade
 from engine.methods.glossy_prt.views import stack_maps
+from engine.numerics.cluster_basis import Clusters
+from engine.numerics.cube_map import FACES
 from engine.numerics.wavelet_vectors import WaveletVectors
 from engine.scene.camera import Camera
 from engine.scene.edits import Edits, edited_camera, edited_environment
 from engine.scene.scene import Scene
 
 NAME = "glossy_prt"
-NO_GL = Diagnosis("gl_unavailable", "The CPU draws: this method has no GL backend yet.")
 SAID = 0.02  # of all light: less is not worth a warning
+
+
+Stored = WaveletVectors | Clusters
+
+
+class Transport(NamedTuple):
+    """What a precompute found.
+
+    direct   transport vectors of every material of the scene
+    bounced  the same of what bounces; empty where no bounce was asked for
+    left     part of all light that passes which were not made would bring
+    """
+
+    direct: list[Stored]
+    bounced: list[Stored]
+    left: float
 
 
 class Prt:
@@ -43,22 +65,27 @@ class Prt:
         settings: Settings,
         vertices: Vertices,
         terms: list[Terms],
-        direct: list[WaveletVectors],
-        bounced: list[WaveletVectors] | None,
-        left: float,
+        transport: Transport,
         fits: Fits,
     ) -> None:
-        """terms, direct, bounced and fits are of the scene's materials; left is the part of all
-        light that passes which were not made would bring.
-        """
+        """terms and fits are those of the scene's materials."""
         self.scene, self._settings = scene, settings
-        self.vertices, self.terms, self.direct, self.bounced = vertices, terms, direct, bounced
-        self._sets = [[(v.start, v) for v in vectors] for vectors in (direct, bounced or ())]
-        self._maps = stack_maps(terms, np.bincount(vertices.material, minlength=len(terms)))
+        self.vertices, self.terms, self.transport = vertices, terms, transport
+        count = np.bincount(vertices.material, minlength=len(terms))
+        self._maps = stack_maps(terms, count)
+        self._rows = int(count @ self._maps.terms)
+        self._factors = [
+            (m, Factor(stored, terms[m].count))
+            for part in (transport.direct, transport.bounced)
+            for m, stored in enumerate(part)
+        ]
         self._light = CubeLight(settings.light_texels)
         self._lit: tuple[Environment | None, NDArray[np.float32]] | None = None
         self._view: tuple[Camera, int, View] | None = None
-        said = (_local_lights(scene), _truncated(left))
+        # What draws on the GPU, from the first frame that it draws; then why it does not.
+        self._gl: GlPrt | None = None
+        self._gl_failed: Diagnosis | None = None
+        said = (_local_lights(scene), _truncated(transport.left))
         self._of_scene = (*(d for d in said if d is not None), *fits.said)
         self._fits = fits.materials
 
@@ -75,7 +102,7 @@ class Prt:
     @property
     def bytes(self) -> int:
         """Bytes of the transport vectors."""
-        return sum(a.nbytes for vectors in self._sets for _, v in vectors for a in v)
+        return sum(factor.bytes for _, factor in self._factors)
 
     @property
     def fits(self) -> tuple[MaterialFit, ...]:
@@ -85,22 +112,50 @@ class Prt:
     def relight(self, edits: Edits, scale: int = 1, backend: Backend | None = None) -> Frame:
         """See `engine.methods.base.Product.relight`."""
         require_supported(NAME, edits)
+        environment = edited_environment(
+            self.scene.environment, edits.environment, Path(self.scene.folder)
+        )
+        camera = edited_camera(self.scene.camera, edits.camera)
+        device, notices = chosen_device(backend)
+        if device is not None and self._gl_failed is None:
+            try:
+                clock = Clock(device.context.finish)
+                self._gl = self._gl or self._on_gl(device)
+                image = self._gl.draw(environment, camera, scale, clock)
+                return Frame(image, clock.timings(), (*notices, *self._of_scene))
+            except BackendError as error:
+                self._gl, self._gl_failed = None, instead_of_gl(error)
+        if device is not None and self._gl_failed is not None:
+            notices = (self._gl_failed,)
         clock = Clock()
-        scene = self.scene
-        environment = edited_environment(scene.environment, edits.environment, Path(scene.folder))
-        camera = edited_camera(scene.camera, edits.camera)
+        image = self._on_cpu(environment, camera, scale, clock)
+        return Frame(image, clock.timings(), (*notices, *self._of_scene))
+
+    def _on_cpu(
+        self, environment: Environment | None, camera: Camera, scale: int, clock: Clock
+    ) -> NDArray[np.float32]:
         with clock("transport"):
             lit = self.lit(environment)
         with clock("view"):
             view = self._seen(camera, scale)
         with clock("shade"):
-            args = (scene, self.vertices, self._maps, lit)
+            args = (self.scene, self.vertices, self._maps, lit)
             image = shade(*args, view.centre, environment)
             if len(view.edge):
                 sub = shade(*args, view.sub, environment)
                 image[view.edge] = sub.reshape(-1, 4, 3).mean(axis=1)
-        notices = (NO_GL, *self._of_scene) if wanted(backend) == "gl" else self._of_scene
-        return Frame(image.reshape(*view.shape, 3), clock.timings(), notices)
+        return image.reshape(*view.shape, 3)
+
+    def _on_gl(self, device: Device) -> GlPrt:
+        first, texels = self._maps.first.tolist(), FACES * self._settings.light_texels**2
+        vectors = StoredVectors(device, texels, *(
+            [Part(first[m], self.terms[m].count, stored) for m, stored in enumerate(part)]
+            for part in (self.transport.direct, self.transport.bounced)
+        ))  # fmt: skip
+        return GlPrt(
+            device, self.scene, self.vertices, self._maps,
+            lambda environment: vectors.multiply(self._light.coefficients(environment)),
+        )  # fmt: skip
 
     def lit(self, environment: Environment | None) -> NDArray[np.float32]:
         """(rows, 3) float32: light-dependent vectors of all vertices; the last ones are kept."""
@@ -110,13 +165,11 @@ class Prt:
 
     def multiply(self, light: NDArray[np.float32]) -> NDArray[np.float32]:
         """(rows, 3) float32: all vectors times the Haar coefficients (6 n², 3) of a light."""
-        each = zip(self.direct, self.terms, strict=True)
-        out = np.zeros((sum(len(v.length) * t.count for v, t in each), 3), np.float32)
-        for vectors in self._sets:
-            for m, (start, v) in enumerate(vectors):
-                channels = v.scale.shape[1] // self.terms[m].count
-                part = multiply_vectors(start, *v[1:], light, channels)
-                out[self._maps.first[m] : self._maps.first[m] + len(part)] += part
+        out = np.zeros((self._rows, 3), np.float32)
+        for m, factor in self._factors:
+            first = self._maps.first[m]
+            last = first + factor.vertices * factor.terms
+            factor.add_product(light, out[first:last].reshape(-1, factor.terms, 3))
         return out
 
     def _seen(self, camera: Camera, scale: int) -> View:

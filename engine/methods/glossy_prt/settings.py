@@ -16,16 +16,24 @@ class Settings:
 
     coefficients: int = 128
     """N_l, wavelets that the transport vectors of a vertex keep, the same for all terms: 6 to 4096
-    (§4.1.1)."""
+    (§4.1.1). Where there are clusters, of the vectors that bounces are gathered from alone."""
 
     tolerance: float = 0.01
     """Part of a vector's norm that may be left out even where there is room for it: 0 to 1."""
 
+    cluster_error: float = 0.05
+    """Part of the norm of the vectors of a cluster of vertices that a basis of its own may leave
+    out: 0 to 0.5. With 0 every vertex has its own wavelets, as in the paper."""
+
     light_texels: int = 64
-    """Texels along a face of the light's cube map: 8, 16, 32, 64 or 128 (§4.1)."""
+    """Texels along a face of the light's cube map: 8, 16, 32 or 64 (§4.1)."""
 
     visibility_texels: int = 128
     """The same of the visibility that is averaged down to it: as many, or twice as many (§4.1)."""
+
+    visibility: str = "rays"
+    """What finds it: `rays`, coarsely first, or `gl`, which rasterises all of it as the paper does
+    and wants a GPU."""
 
     coarse_texels: int = 16
     """Where visibility starts from: cells of 90 / 16 degrees that agree with the cells around them
@@ -43,7 +51,7 @@ class Settings:
     gather_texels: int = 32
     """Texels along a face of the cube map that gathers a bounce: 4, 8, 16, 32 or 64 (§4.2)."""
 
-    bounce_coefficients: int = 48
+    bounce_coefficients: int = 64
     """Wavelets that a vector of bounced light keeps, which is smoother: 6 to 4096."""
 
     def __post_init__(self) -> None:
@@ -54,14 +62,17 @@ class Settings:
             ("bounces", 0, 16),
             ("remaining", 0, 1),
             ("tolerance", 0, 1),
+            ("cluster_error", 0, 0.5),
             ("bounce_coefficients", 6, 4096),
         ):
             value = getattr(self, name)
             if not low <= value <= high:
                 raise InputError(f"{value} is not between {low} and {high}", field=name)
+        if self.visibility not in ("rays", "gl"):
+            raise InputError(f"{self.visibility!r} is neither rays nor gl", field="visibility")
         light, fine, coarse = self.light_texels, self.visibility_texels, self.coarse_texels
-        if light not in (8, 16, 32, 64, 128):
-            raise InputError(f"{light} is none of 8, 16, 32, 64, 128", field="light_texels")
+        if light not in (8, 16, 32, 64):
+            raise InputError(f"{light} is none of 8, 16, 32, 64", field="light_texels")
         if self.gather_texels not in (4, 8, 16, 32, 64):
             raise InputError(
                 f"{self.gather_texels} is none of 4, 8, 16, 32, 64", field="gather_texels"

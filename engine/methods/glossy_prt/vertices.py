@@ -16,10 +16,12 @@ from engine.scene.scene import Scene
 LIFT = 4.0  # of the ray tracer's epsilon: vertices have no one plane that they could be moved off
 INWARD = 0.5  # of the way to the middle of a triangle
 ALIKE = 0.7  # cosine: frames at the corners of a triangle that are turned by less are one field
+CLUSTER = 256  # most vertices of a cluster
+TURNED = 1 / 6  # of a surface's size: what a radian between normals counts like
 
 
 class Vertices(NamedTuple):
-    """Sorted by material, and for each by place, so that neighbours in space are near in memory.
+    """Sorted by material, and for each by cluster: vertices near each other that face alike.
 
     position  (v, 3) float32   metres
     eye       (v, 3) float32   from where its surroundings are looked at: where the vertex lies at
@@ -27,6 +29,7 @@ class Vertices(NamedTuple):
     normal    (v, 3) float32   unit, for shading
     tangent   (v, 3) float32   unit, x axis of the local frame; along the grain of a brushed surface
     material  (v,) int32
+    cluster   (s + 1,) int32   where the clusters begin, and the end
     corners   (t, 3) int32     vertices of the scene's triangles
     smooth    (t,) bool        whether the frames at the three corners are much the same
     """
@@ -36,6 +39,7 @@ class Vertices(NamedTuple):
     normal: NDArray[np.float32]
     tangent: NDArray[np.float32]
     material: NDArray[np.int32]
+    cluster: NDArray[np.int32]
     corners: NDArray[np.int32]
     smooth: NDArray[np.bool_]
 
@@ -46,10 +50,9 @@ def build_vertices(scene: Scene) -> Vertices:
     material = np.repeat(geometry.material, 3)
     used = np.stack([material.astype(np.int64), geometry.triangles.ravel()], axis=1)
     pairs, corner = np.unique(used, axis=0, return_inverse=True)
-    low, high = geometry.positions.min(axis=0), geometry.positions.max(axis=0)
-    cell = (geometry.positions - low) / max(1e-30, float((high - low).max())) * 1023
-    code = _morton(cell[pairs[:, 1]].astype(np.int64))
-    order = np.lexsort((pairs[:, 1], code, pairs[:, 0]))
+    order, cluster = _in_clusters(
+        pairs[:, 0], geometry.positions[pairs[:, 1]], geometry.normals[pairs[:, 1]]
+    )
     rank = np.zeros(len(order), np.int64)
     rank[order] = np.arange(len(order))
     pairs = pairs[order]
@@ -68,18 +71,36 @@ def build_vertices(scene: Scene) -> Vertices:
         normal,
         tangent,
         pairs[:, 0].astype(np.int32),
+        cluster,
         corners,
         smooth,
     )
 
 
-def _morton(cell: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Cells (n, 3) below 1024 as numbers in the order of an octree."""
-    code = np.zeros(len(cell), np.int64)
-    for bit in range(10):
-        for axis in range(3):
-            code |= (cell[:, axis] >> bit & 1) << (3 * bit + axis)
-    return code
+def _in_clusters(
+    material: NDArray[np.int64], position: NDArray[np.float32], normal: NDArray[np.float32]
+) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+    """(order of the vertices (v,), where clusters begin (s + 1,)).
+
+    The vertices of a material are halved, across the direction in which places and normals spread
+    the most, until every part is small enough.
+    """
+    todo, done = [], []
+    for m in np.unique(material)[::-1]:
+        these = np.flatnonzero(material == m)
+        size = max(1e-30, float(np.ptp(position[these], axis=0).max()))
+        todo.append((these, np.hstack([position[these] / size, TURNED * normal[these]])))
+    while todo:
+        these, at = todo.pop()
+        if len(these) <= CLUSTER:
+            done.append(np.sort(these))
+            continue
+        spread = (at - at.mean(axis=0)).astype(np.float64)
+        along = spread @ np.linalg.eigh(spread.T @ spread)[1][:, -1]
+        half = np.argsort(along, kind="stable")
+        for part in (half[len(half) // 2 :], half[: len(half) // 2]):
+            todo.append((these[part], at[part]))
+    return np.concatenate(done), np.cumsum([0, *map(len, done)]).astype(np.int32)
 
 
 def _eyes(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -61,7 +60,7 @@ class View(NamedTuple):
 
 def look(scene: Scene, camera: Camera, step: int = 1) -> View:
     """What the camera sees through every step-th pixel of every step-th row."""
-    shape = (-(-camera.height // step), -(-camera.width // step))
+    shape = camera.shape(step)
     centre = _rasterise(scene, camera, step, shape) or _cast(scene, camera, *_grid(shape, step))
     edge = np.zeros(len(centre.triangle), np.bool_)
     if step == 1:
@@ -95,16 +94,7 @@ def _beyond(
 
 def _rasterise(scene: Scene, camera: Camera, step: int, shape: tuple[int, int]) -> Seen | None:
     """What rays through all pixels' centres meet; None where something is too near for that."""
-    half = math.tan(math.radians(camera.fov_y_degrees) / 2)
-    right, up, back = camera.basis()
-    size = 0.5 * np.array([camera.width, camera.height])
-    scale_ = size[1] / half
-    to_pixels = np.stack([
-        (scale_ * right - (size[0] - 0.5) * back) / step,
-        (-scale_ * up - (size[1] - 0.5) * back) / step,
-        -back,
-    ])  # fmt: skip
-    geometry, eye = scene.geometry, np.array(camera.position)
+    geometry, eye, to_pixels = scene.geometry, np.array(camera.position), camera.to_pixels(step)
     found = visible_triangles(
         geometry.positions, geometry.triangles, eye, to_pixels, NEAR * scene.diagonal, shape
     )

@@ -29,8 +29,8 @@ def open_parts(
     light: int,
     fine: int,
     coarse: int,
-) -> tuple[NDArray[np.uint8], int]:
-    """((b, 6 light²) uint8, rays traced): how many of a texel's (fine / light)² parts are open.
+) -> NDArray[np.uint8]:
+    """(b, 6 light²) uint8: how many of a texel's (fine / light)² parts are open.
 
     eye, normal (b, 3) float32 of b vertices; below the horizon of the normal all is closed.
     `fine` is light or twice that; the coarse map has `coarse` texels along a face, or `fine` where
@@ -38,7 +38,6 @@ def open_parts(
     """
     level = min(coarse, fine)
     known = np.full((len(eye), cube_map.FACES * (level // 2) ** 2), UNKNOWN, np.uint8)
-    traced = 0
     while True:
         # The last level is not kept cell by cell: a texel whose parts agree is one number.
         last = level == fine and level > light
@@ -50,13 +49,12 @@ def open_parts(
         vertex, cell = asked[:count, 0], asked[:count, 1]
         directions = cube_map.directions(level).astype(np.float32)
         hit = rays.occluded(eye[vertex], directions[cell])
-        traced += count
         if last:
             np.add.at(state, (vertex[~hit], cell[~hit] // 4), 1)
-            return state, traced
+            return state
         state[vertex, cell] = hit
         if level == fine:
-            return (state == OPEN).astype(np.uint8), traced
+            return (state == OPEN).astype(np.uint8)
         known, level = state, 2 * level
 
 

@@ -22,6 +22,7 @@ def call(
     before: str = "",
     made: Mapping[str, str] | None = None,
     buffers: Mapping[str, Any] | None = None,
+    uniforms: Mapping[str, Any] | None = None,
     **arguments: NDArray[Any],
 ) -> NDArray[np.float32]:
     """(n, width) float32 of an expression over named arguments (n, k).
@@ -52,6 +53,6 @@ def call(
     text = "\n".join([*lines, "void main() { for (EACH(i, u_count)) {", *body, "} }"])
     bound["b_result"] = gpu.floats(n * width)
     program = gpu.program("one_call.glsl", made={"one_call.glsl": text, **(made or {})})
-    program.run(n, bound, u_count=n)
+    program.run(n, bound, u_count=n, **(uniforms or {}))
     gpu.check()
     return np.frombuffer(bound["b_result"].read(4 * n * width), np.float32).reshape(n, width)

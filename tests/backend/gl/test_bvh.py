@@ -1,8 +1,9 @@
-"""Shadow rays through the tree agree with Embree."""
+"""Rays through the tree agree with Embree."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -85,12 +86,21 @@ def test_an_endless_chain_of_ever_smaller_triangles_is_not_too_deep() -> None:
     assert depth_and_triangles(tree)[0] <= DEEP + 8
 
 
+def uploaded(gpu: Device, tree: Tree) -> dict[str, Any]:
+    return {"b_nodes": gpu.upload(tree.nodes), "b_corners": gpu.upload(tree.corners)}
+
+
 def occluded(gpu: Device, tree: Tree, o: np.ndarray, d: np.ndarray, limit: float) -> np.ndarray:
-    buffers = {"b_nodes": gpu.upload(tree.nodes), "b_corners": gpu.upload(tree.corners)}
     return call(
-        gpu, "common/bvh.glsl", "occluded(o, d, limit) ? 1.0 : 0.0", 1, buffers=buffers,
+        gpu, "common/bvh.glsl", "occluded(o, d, limit) ? 1.0 : 0.0", 1, buffers=uploaded(gpu, tree),
         o=o, d=d, limit=np.array([[limit]]),
     )[:, 0] > 0.5  # fmt: skip
+
+
+def nearest(gpu: Device, tree: Tree, o: np.ndarray, d: np.ndarray) -> np.ndarray:
+    return call(
+        gpu, "common/bvh.glsl", "float(nearest(o, d))", 1, buffers=uploaded(gpu, tree), o=o, d=d
+    )[:, 0].astype(int)
 
 
 @pytest.mark.parametrize("n", [1, 7, 300, 5000])
@@ -104,6 +114,19 @@ def test_soup(gpu: Device, n: int) -> None:
     expected = RayTracer(positions, triangles).occluded(o, d, 1.0)
     found = occluded(gpu, build_tree(positions, triangles), o, d, 1.0)
     assert expected.any()
+    assert (found != expected).mean() < 1e-4
+
+
+@pytest.mark.parametrize("n", [1, 7, 300, 5000])
+def test_what_rays_meet_first(gpu: Device, n: int) -> None:
+    positions, triangles = soup(n)
+    rng = np.random.default_rng(7)
+    o = rng.uniform(-1.5, 1.5, (20000, 3)).astype(np.float32)
+    d = rng.normal(size=(20000, 3)).astype(np.float32)
+    d[:3000] = (np.eye(3, dtype=np.float32) * -2)[rng.integers(0, 3, 3000)]
+    expected = RayTracer(positions, triangles).intersect(o, d).triangle
+    found = nearest(gpu, build_tree(positions, triangles), o, d)
+    assert (expected >= 0).any()
     assert (found != expected).mean() < 1e-4
 
 

@@ -8,7 +8,10 @@ from backend.gl.one_call import call
 from numba import njit
 
 from engine.backend.gl.context import Device
+from engine.light.environment_samples import places_on_map
 from engine.numerics import frames, sampling
+from engine.numerics.hemisphere_maps import disk_taps
+from engine.numerics.vec import normalize
 
 pytestmark = pytest.mark.gl
 RNG = np.random.default_rng(1)
@@ -75,3 +78,42 @@ def test_cone(gpu: Device, versine: float):
 @njit
 def _cone(u1, u2, versine):
     return sampling.uniform_cone(u1, u2, versine)
+
+
+def test_unit(gpu: Device):
+    v = np.concatenate([RNG.normal(size=(200, 3)), np.zeros((1, 3))]).astype(np.float32)
+    found = call(gpu, "common/frames.glsl", "w.x, w.y, w.z", 3, before="vec3 w = unit(v);", v=v)
+    np.testing.assert_allclose(found, [normalize(tuple(a)) for a in v.astype(float)], atol=1e-6)
+
+
+@pytest.mark.parametrize("size", [1, 2, 24])
+def test_disk_taps(gpu: Device, size: int):
+    w = directions(500)
+    w[:, 2] = np.abs(w[:, 2])
+    found = call(
+        gpu, "common/hemisphere_maps.glsl", "a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w", 8,
+        before="Taps t = disk_taps(w, int(size)); vec4 a = vec4(t.texel), b = t.weight;",
+        w=w, size=np.array([[size]]),
+    )  # fmt: skip
+    for (*texels, a, b, c, d), v in zip(found, w.astype(float), strict=True):
+        expected, (fx, fy) = disk_taps(tuple(v), size)
+        assert tuple(texels) == expected
+        weights = (1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy
+        np.testing.assert_allclose((a, b, c, d), weights, atol=2e-6 * size)
+
+
+def test_place_on_map(gpu: Device):
+    """Near the poles the CPU's own angle has fewer digits; at them any column will do."""
+    d = directions(3000)
+    d = d[np.abs(d[:, 1]) < 1]
+    found = call(
+        gpu, "light/environment.glsl", "p.x, p.y", 2, before="vec2 p = place_on_map(d);",
+        buffers={"b_map": gpu.floats(3)}, d=d,
+    )  # fmt: skip
+    expected = places_on_map(d)
+    np.testing.assert_allclose(
+        np.cos(2 * np.pi * found[:, 0]), np.cos(2 * np.pi * expected[:, 0]), atol=2e-6
+    )
+    np.testing.assert_allclose(found[:, 1], expected[:, 1], atol=1e-4)
+    level = np.abs(d[:, 1]) < 0.9
+    np.testing.assert_allclose(found[level], expected[level], atol=3e-7)

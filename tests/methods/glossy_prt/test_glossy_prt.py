@@ -116,7 +116,7 @@ def test_grey_light_maps_are_stored_once(make: Make) -> None:
         product = make(ball(material))
         assert product.terms[0].channels == 1
         assert product.terms[0].count == terms
-        assert product.direct[0].scale.shape[1] == terms
+        assert product.transport.direct[0].scale.shape[1] == terms
 
 
 def test_light_adds_up(make: Make) -> None:
@@ -234,12 +234,6 @@ def test_the_camera_is_free_and_costs_no_precompute(make: Make) -> None:
     assert small.image.shape == (24, 24, 3)
 
 
-def test_gl_is_not_there_and_that_is_said(make: Make) -> None:
-    product = make(ball(GREY))
-    assert "gl_unavailable" in {w.code for w in product.relight(Edits(), backend="gl").warnings}
-    assert not product.relight(Edits(), backend="cpu").warnings
-
-
 def test_lights_are_refused_and_the_scene_s_own_are_mentioned(make: Make) -> None:
     product = make(ball(GREY, lights=[POINT]))
     assert "lights_left_out" in {w.code for w in product.relight(Edits()).warnings}
@@ -258,11 +252,12 @@ def test_lights_are_refused_and_the_scene_s_own_are_mentioned(make: Make) -> Non
         {"gather_texels": 33},
         {"bounces": -1},
         {"brdf_texels": 4},
+        {"visibility": "radar"},
     ],
 )
-def test_settings_out_of_range(wrong: dict[str, int]) -> None:
+def test_settings_out_of_range(wrong: dict[str, Any]) -> None:
     with pytest.raises(InputError) as caught:
-        Settings(**wrong)  # type: ignore[arg-type]
+        Settings(**wrong)
     assert caught.value.field == next(iter(wrong))
 
 
