@@ -33,6 +33,7 @@ from engine.numerics.wavelet_vectors import WaveletVectors, added
 from engine.scene.scene import Scene
 from engine.store import Entry, Store
 
+BOUNCED = 2  # times the error of direct transport: there is so much less bounced light
 VERSION = 4  # of the stored arrays and of what they mean
 
 
@@ -217,7 +218,7 @@ class _Run:
             bounds=self._bounds[m] - self._bounds[m][0],
             weight=terms.weight_of(vectors.scale.shape[1] // terms.count),
             light_texels=s.light_texels,
-            error=s.cluster_error,
+            error=BOUNCED * s.cluster_error,
         )
         made = self._made(f"clusters-{m}", partial(cluster_chunk, job), job.bounds, self._executor)
         return Clusters(*(made[name] for name in Clusters._fields))

@@ -25,9 +25,10 @@ from engine.methods.clock import Clock
 from engine.methods.glossy_prt.fits import Fits
 from engine.methods.glossy_prt.gl_prt import GlPrt
 from engine.methods.glossy_prt.settings import Settings
+from engine.methods.glossy_prt.standing import Standing, shade_standing, stand
 from engine.methods.glossy_prt.terms import Terms
 from engine.methods.glossy_prt.vertices import Vertices
-from engine.methods.glossy_prt.view import View, look, shade
+from engine.methods.glossy_prt.view import Seen, View, look, shade
 from engine.methods.glossy_prt.views import stack_maps
 from engine.numerics.cluster_basis import Clusters
 from engine.numerics.cube_map import FACES
@@ -82,6 +83,9 @@ class Prt:
         self._light = CubeLight(settings.light_texels)
         self._lit: tuple[Environment | None, NDArray[np.float32]] | None = None
         self._view: tuple[Camera, int, View] | None = None
+        # How many frames showed the last view, and what is kept of it: its pixels, its sub-samples.
+        self._shown = 0
+        self._standing: list[Standing] = []
         # What draws on the GPU, from the first frame that it draws; then why it does not.
         self._gl: GlPrt | None = None
         self._gl_failed: Diagnosis | None = None
@@ -139,12 +143,23 @@ class Prt:
         with clock("view"):
             view = self._seen(camera, scale)
         with clock("shade"):
-            args = (self.scene, self.vertices, self._maps, lit)
-            image = shade(*args, view.centre, environment)
+            image = self._shaded(lit, view.centre, 0, environment)
             if len(view.edge):
-                sub = shade(*args, view.sub, environment)
+                sub = self._shaded(lit, view.sub, 1, environment)
                 image[view.edge] = sub.reshape(-1, 4, 3).mean(axis=1)
+            self._shown += 1
         return image.reshape(*view.shape, 3)
+
+    def _shaded(
+        self, lit: NDArray[np.float32], seen: Seen, part: int, environment: Environment | None
+    ) -> NDArray[np.float32]:
+        """Radiance along rays. From a view's second frame on, what hangs on it alone is kept."""
+        args = (self.scene, self.vertices, self._maps)
+        if not self._shown:
+            return shade(*args, lit, seen, environment)
+        if len(self._standing) == part:
+            self._standing.append(stand(*args, seen))
+        return shade_standing(*args, lit, seen, self._standing[part], environment)
 
     def _on_gl(self, device: Device) -> GlPrt:
         first, texels = self._maps.first.tolist(), FACES * self._settings.light_texels**2
@@ -175,6 +190,7 @@ class Prt:
     def _seen(self, camera: Camera, scale: int) -> View:
         if self._view is None or self._view[:2] != (camera, scale):
             self._view = camera, scale, look(self.scene, camera, scale)
+            self._shown, self._standing = 0, []
         return self._view[2]
 
 

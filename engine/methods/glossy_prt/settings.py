@@ -23,7 +23,8 @@ class Settings:
 
     cluster_error: float = 0.05
     """Part of the norm of the vectors of a cluster of vertices that a basis of its own may leave
-    out: 0 to 0.5. With 0 every vertex has its own wavelets, as in the paper."""
+    out, and twice that of what bounces: 0 to 0.5. With 0 every vertex has its own wavelets, as
+    in the paper."""
 
     light_texels: int = 64
     """Texels along a face of the light's cube map: 8, 16, 32 or 64 (§4.1)."""
