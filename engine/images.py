@@ -6,6 +6,7 @@ EXR by OpenEXR, Radiance HDR by imagecodecs, JPEG by simplejpeg (writing), the r
 from __future__ import annotations
 
 import io
+import re
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -21,6 +22,8 @@ from engine.errors import InputError, SceneError
 from engine.numerics.display import linear_from_srgb, to_srgb8
 
 _LINEAR = linear_from_srgb(np.arange(256) / 255).astype(np.float32)
+_HDR_SIZE = re.compile(rb"\n[-+]Y (\d{1,9}) [-+]X (\d{1,9})\n")
+_HDR_HEADER = 1 << 16  # bytes that a header of the format never fills
 _FORMATS = {".exr": "exr", ".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".webp": "webp"}
 
 
@@ -37,6 +40,25 @@ def read_image(path: Path) -> NDArray[np.float32]:
     if image.size == 0:
         raise SceneError("the image is empty", file=str(path))
     return image
+
+
+def image_size(path: Path) -> tuple[int, int]:
+    """(width, height) of an EXR or Radiance HDR file, from its header alone.
+
+    Raises SceneError, naming the file, where the header cannot be read.
+    """
+    if path.suffix.lower() == ".exr":
+        try:
+            with OpenEXR.File(str(path), header_only=True) as file:
+                low, high = file.header()["dataWindow"]
+        except (RuntimeError, ValueError, KeyError) as error:
+            raise _unreadable(path, "EXR", error) from None
+        return int(high[0]) - int(low[0]) + 1, int(high[1]) - int(low[1]) + 1
+    with path.open("rb") as file:
+        found = _HDR_SIZE.search(file.read(_HDR_HEADER))
+    if found is None:
+        raise SceneError("not a readable Radiance HDR file (no size)", file=str(path))
+    return int(found[2]), int(found[1])
 
 
 def write_image(
@@ -108,7 +130,7 @@ def _read_exr(path: Path) -> NDArray[np.float32]:
         with OpenEXR.File(str(path)) as file:
             planes = {name: channel.pixels for name, channel in file.channels().items()}
     except (RuntimeError, ValueError) as error:  # ValueError: no part could be read whole
-        raise SceneError(f"not a readable EXR file ({error})", file=str(path)) from None
+        raise _unreadable(path, "EXR", error) from None
     for name in ("RGB", "RGBA", "Y", "YA"):
         if name in planes:
             return _three_channels(np.asarray(planes[name], np.float32))
@@ -148,7 +170,13 @@ def _decoded(
         SyntaxError,
         ValueError,
     ) as error:
-        raise SceneError(f"not a readable {kind} file ({error})", file=str(path)) from None
+        raise _unreadable(path, kind, error) from None
+
+
+def _unreadable(path: Path, kind: str, error: Exception) -> SceneError:
+    """What a decoder said, without the folder: who hears of it need not know where files lie."""
+    said = str(error).replace(str(path), path.name)
+    return SceneError(f"not a readable {kind} file ({said})", file=str(path))
 
 
 def _three_channels(image: NDArray[np.float32]) -> NDArray[np.float32]:

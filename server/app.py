@@ -21,6 +21,7 @@ from server.service import Precompute, Service
 from server.stage import stages
 
 MAX_BODY = 1 << 20
+MAPS, MAX_MAP = "/api/maps", 1 << 27
 
 # The page needs nothing but itself: images come as blobs over the live socket.
 POLICY = (
@@ -76,7 +77,7 @@ def _start_default(service: Service) -> None:
 
 
 class Limits:
-    """Refuse bodies over MAX_BODY bytes; send the page's security policy along."""
+    """Refuse bodies over MAX_BODY bytes, or MAX_MAP; send the page's security policy along."""
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
@@ -86,9 +87,10 @@ class Limits:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        error = problems.TooLarge(f"the body is over {MAX_BODY} bytes")
+        most = MAX_MAP if scope["path"] == MAPS else MAX_BODY
+        error = problems.TooLarge(f"the body is over {most} bytes")
         length = dict(scope["headers"]).get(b"content-length", b"0")
-        if not length.isdigit() or int(length) > MAX_BODY:
+        if not length.isdigit() or int(length) > most:
             await problems.response(problems.describe(error))(scope, receive, send)
             return
         received = 0
@@ -97,7 +99,7 @@ class Limits:
             nonlocal received
             message = await receive()
             received += len(message.get("body", b""))
-            if received > MAX_BODY:
+            if received > most:
                 raise error
             return message
 

@@ -15,6 +15,7 @@ from fastapi import WebSocket, WebSocketDisconnect
 from pydantic import TypeAdapter, ValidationError
 
 from engine.errors import InputError
+from server.maps import located
 from server.problems import describe, invalid
 from server.service import Service, with_job
 from server.stage import Stage
@@ -108,10 +109,9 @@ class Session:
         assert edit is not None
         # A view is prepared once the hand rests, not for every camera on the way.
         if edit.scale == 1:
-            camera = self.stage.camera(edit.edits)
-            self._job = self.service.look(self.stage, camera, self.id, edit.method)
+            self._job = self.service.look(self.stage, edit.edits, self.id, edit.method)
         order = Order(
-            edits=edit.edits,
+            edits=located(edit.edits, self.stage, self.service.uploads),
             exposure=edit.exposure,
             scale=edit.scale,
             format=edit.format,

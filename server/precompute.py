@@ -26,6 +26,10 @@ from engine.errors import Cancelled, InputError, RelightError
 from engine.methods.base import EDITS, Progress
 from engine.scene.camera import Camera
 
+Materials = dict[str, dict[str, Any]]
+"""Edits of materials by name, see `engine.scene.edits.Edits`."""
+Key = tuple[str, str, str]
+
 NICENESS = 10
 POLL_SECONDS = 0.1
 
@@ -38,18 +42,27 @@ class Task(BaseModel):
     scene: str
     source: str
     camera: Camera
+    materials: Materials = {}
     method: str
     settings: dict[str, Any] = {}
 
     @property
-    def key(self) -> tuple[str, str, str]:
+    def key(self) -> tuple[str, Key]:
         """Equal for two tasks that make the same product."""
-        return self.scene, view_of(self.method, self.camera), self.method
+        return self.scene, key_of(self.method, self.camera, self.materials)
 
 
-def view_of(method: str, camera: Camera) -> str:
-    """What a method's product depends on of a camera: nothing where the method takes any."""
-    return "" if "camera" in EDITS[method] else camera.model_dump_json()
+def key_of(method: str, camera: Camera, materials: Materials | None) -> Key:
+    """(method, what its product has in it of the camera, and of the edits of materials).
+
+    Nothing of what the method takes any of.
+    """
+    free = EDITS[method]
+    return (
+        method,
+        "" if "camera" in free else camera.model_dump_json(),
+        "" if "materials" in free or not materials else json.dumps(materials, sort_keys=True),
+    )
 
 
 def run_in_process(task: Task, progress: Progress) -> None:
@@ -161,12 +174,13 @@ def main() -> None:
         report({"phase": phase, "done": done, "total": total})
 
     from engine.methods import prepare
-    from engine.scene.edits import Edits
+    from engine.scene.edits import Edits, apply
     from engine.scene.open import open_scene
 
     try:
         progress("open scene", 0, 1)
-        scene = open_scene(task.source).with_camera(task.camera)
+        scene = apply(open_scene(task.source), Edits(materials=task.materials))
+        scene = scene.with_camera(task.camera)
         product = prepare(scene, task.method, settings_of(task.method, task.settings), progress)
         # What frames need is compiled here and kept, so that the render thread need not wait.
         for scale in (2, 1):

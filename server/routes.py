@@ -10,16 +10,21 @@ from fastapi import APIRouter, Body, Header, Query, Request, Response, WebSocket
 from fastapi.responses import StreamingResponse
 
 from engine.errors import NotFound
+from engine.images import encode
+from engine.scene.edits import Edits
 from server.accept import MEDIA_TYPES, negotiate
+from server.details import map_thumbnail, material_details
 from server.live import Session
+from server.maps import located
 from server.problems import describe
 from server.service import Service
 from server.stage import METHOD
 from server.wire import (
-    Edits,
     Exposure,
     JobState,
     LiveProblem,
+    MapSummary,
+    MaterialDetail,
     PrecomputeRequest,
     Problem,
     Quality,
@@ -99,7 +104,7 @@ async def frame(
     stage = service.stages.get(scene)
     media_type, image_format = negotiate(accept)
     order = Order(
-        edits=edits,
+        edits=located(edits, stage, service.uploads),
         exposure=exposure,
         scale=scale,
         format=image_format,
@@ -118,6 +123,44 @@ async def frame(
             "Vary": "Accept",
         },
     )
+
+
+@router.post("/api/maps", status_code=201)
+async def send_map(
+    request: Request, name: Annotated[str, Query(max_length=256, description="of the file")] = ""
+) -> MapSummary:
+    """Keep an environment map: the bytes of an OpenEXR or Radiance HDR file, as they are."""
+    return await service_of(request).uploads.add(request.stream(), name)
+
+
+@router.post(
+    "/api/scenes/{scene}/environment",
+    response_class=Response,
+    responses={200: {"content": {"image/png": {}}}},
+)
+async def environment_thumbnail(
+    request: Request,
+    scene: str,
+    edits: Annotated[Edits, Body()] = Edits(),  # noqa: B008 - frozen
+) -> Response:
+    """A small picture of the environment's map, not turned, as bright as shows it well."""
+    service = service_of(request)
+    stage = service.stages.get(scene)
+    edits = located(edits, stage, service.uploads)
+    image = await asyncio.to_thread(map_thumbnail, stage, edits)
+    return Response(encode(image, "png"), media_type="image/png")
+
+
+@router.post("/api/scenes/{scene}/materials")
+async def materials(
+    request: Request,
+    scene: str,
+    edits: Annotated[Edits, Body()] = Edits(),  # noqa: B008 - frozen
+    method: Annotated[str, Query()] = METHOD,
+) -> list[MaterialDetail]:
+    """The materials under the edits; how the method models them, once its product is there."""
+    stage = service_of(request).stages.get(scene)
+    return await asyncio.to_thread(material_details, stage, edits, method)
 
 
 def ascii_json(text: str) -> str:

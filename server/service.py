@@ -4,28 +4,20 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
 from typing import Any
 
 from engine.errors import EditNotSupported, NotFound
-from engine.light.maps import BUILT_IN
-from engine.light.sky import Sky
-from engine.light.table import LIGHTS
 from engine.methods import METHODS, prepare
 from engine.methods.base import Progress
 from engine.scene.camera import Camera
-from engine.scene.scene import Scene
+from engine.scene.edits import Edits
+from engine.store import Store
+from server.details import scene_detail
 from server.jobs import Jobs
-from server.precompute import Task, run_in_process, settings_of
-from server.stage import METHOD, Stage, Stages
-from server.wire import (
-    EnvironmentDetail,
-    JobState,
-    MethodState,
-    Notice,
-    PrecomputeRequest,
-    SceneDetail,
-)
+from server.maps import Uploads
+from server.precompute import Materials, Task, run_in_process, settings_of
+from server.stage import HELD, METHOD, Stage, Stages
+from server.wire import JobState, PrecomputeRequest, SceneDetail
 from server.worker import Drawn, Order, Worker, draw
 
 Precompute = Callable[[Task, Progress], None]
@@ -48,6 +40,7 @@ class Service:
         self.settings = dict(settings or {})
         self.worker = Worker()
         self.jobs = Jobs(self._work)
+        self.uploads = Uploads(Store().root / "maps")
         self._precompute = precompute
 
     def close(self) -> None:
@@ -59,18 +52,18 @@ class Service:
         """One job: fill the store elsewhere, then load the product from it."""
         self._precompute(task, progress)
         stage = self.stages.get(task.scene)
-        scene = stage.scene().with_camera(task.camera)
+        scene = stage.with_materials(task.materials).with_camera(task.camera)
         settings = settings_of(task.method, task.settings)
-        stage.install(task.camera, task.method, prepare(scene, task.method, settings, progress))
+        stage.install(task, prepare(scene, task.method, settings, progress))
 
-    def look(
-        self, stage: Stage, camera: Camera, watcher: str, method: str = METHOD
-    ) -> JobState | None:
-        """Somebody looks through this camera: the job that makes its product, None if it is there.
+    def look(self, stage: Stage, edits: Edits, watcher: str, method: str) -> JobState | None:
+        """Somebody looks through a camera: the job that makes its product, None if it is there.
 
-        A task that failed or was cancelled by request is not started again by looking.
+        A task that failed or was cancelled by request is not started again by looking, nor is one
+        for other materials, which have to be asked for by name.
         """
-        if stage.product(camera, method) is not None:
+        camera = stage.camera(edits)
+        if edits.materials or stage.product(camera, method) is not None:
             self.jobs.look_away(watcher)
             return None
         task = self.task(stage, camera, method)
@@ -84,10 +77,10 @@ class Service:
 
     async def frame(self, stage: Stage, order: Order, watcher: str) -> Drawn:
         """Draw one frame, for a client that waits for this very one."""
-        camera = await asyncio.to_thread(stage.camera, order.edits)
+        await asyncio.to_thread(stage.scene)
         job = None
         if order.scale == 1:
-            job = self.look(stage, camera, watcher, order.method)
+            job = self.look(stage, order.edits, watcher, order.method)
         drawn = await self.worker.run(lambda: draw(stage, order))
         return with_job(drawn, job)
 
@@ -95,15 +88,18 @@ class Service:
         """A precompute that somebody asked for by name."""
         if request.method not in METHODS:
             raise NotFound(f"there is no method {request.method!r}; there are {', '.join(METHODS)}")
-        others = request.edits.touched() - {"camera"}
+        others = request.edits.touched() - HELD
         if others:
             raise EditNotSupported(
-                f"a precompute takes a camera only, not {', '.join(sorted(others))}",
+                f"a precompute takes a camera and materials only, not {', '.join(sorted(others))}",
                 field=f"edits.{min(others)}",
             )
         settings_of(request.method, request.settings)
+        materials = request.edits.materials or {}
+        stage.with_materials(materials)
         camera = stage.camera(request.edits)
-        return self.jobs.start(self.task(stage, camera, request.method, request.settings), "api")
+        task = self.task(stage, camera, request.method, request.settings, materials)
+        return self.jobs.start(task, "api")
 
     def task(
         self,
@@ -111,61 +107,22 @@ class Service:
         camera: Camera,
         method: str = METHOD,
         settings: Mapping[str, Any] | None = None,
+        materials: Materials | None = None,
     ) -> Task:
         """What to precompute for a view."""
         return Task(
             scene=stage.name,
             source=stage.source,
             camera=camera,
+            materials=materials or {},
             method=method,
             settings={**(self.settings if method == METHOD else {}), **(settings or {})},
         )
 
     def detail(self, stage: Stage) -> SceneDetail:
         """Everything the page needs to know about a scene; opens it."""
-        scene = stage.scene()
-        methods = []
-        for method in METHODS.values():
-            product = stage.product(scene.camera, method.name)
-            methods.append(
-                MethodState(
-                    name=method.name,
-                    paper=method.paper,
-                    edits=sorted(method.edits),
-                    ready=product is not None,
-                    bytes=product.bytes if product is not None else 0,
-                )
-            )
-        return SceneDetail(
-            name=stage.name,
-            description=stage.description,
-            camera=scene.camera,
-            diagonal=scene.diagonal,
-            lights=[light.model_dump() for light in scene.lights],
-            light_types=light_types(),
-            environment=environment_detail(scene),
-            materials=list(scene.material_names),
-            objects=list(scene.object_names),
-            triangles=len(scene.geometry.triangles),
-            methods=methods,
-            warnings=[Notice(**asdict(diagnosis)) for diagnosis in scene.diagnoses],
-            job=self.jobs.active(self.task(stage, scene.camera)),
-        )
-
-
-def light_types() -> dict[str, dict[str, Any]]:
-    """The JSON schema of every kind of light, by its `type`."""
-    return {kind.model_fields["type"].default: kind.model_json_schema() for kind in LIGHTS}
-
-
-def environment_detail(scene: Scene) -> EnvironmentDetail:
-    """What the page needs to know to edit a scene's environment."""
-    own = scene.environment
-    return EnvironmentDetail(
-        description=None if own is None else own.description.model_dump(),
-        maps=list(BUILT_IN),
-        sky=Sky.model_json_schema(),
-    )
+        job = self.jobs.active(self.task(stage, stage.scene().camera))
+        return scene_detail(stage, self.uploads.all(), job)
 
 
 def with_job(drawn: Drawn, job: JobState | None) -> Drawn:

@@ -1,7 +1,9 @@
 """A scene on the service: opened when first needed, seen through products and previews.
 
 A fixed-view product answers for one camera. Until it is there, and while the camera moves, a
-preview shows direct light for that camera. A product that takes any camera answers for all.
+preview shows direct light for that camera. A product that takes any camera answers for all. Edits
+of materials that a method holds fixed are in its product: frames with them are drawn once it has
+been precomputed for them.
 """
 
 from __future__ import annotations
@@ -11,63 +13,65 @@ import threading
 from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Generic, NamedTuple, TypeVar
 
-from engine.errors import NotFound
+from engine.errors import EditNotSupported, NotFound
 from engine.methods import METHODS
 from engine.methods.base import EDITS, Frame, Product
 from engine.methods.fixed_view.preview import DirectPreview
 from engine.scene.camera import Camera
-from engine.scene.edits import Edits, edited_camera
+from engine.scene.edits import Edits, apply, edited_camera
 from engine.scene.open import open_scene, scenes
 from engine.scene.scene import Scene
-from server.precompute import view_of
+from server.precompute import Key, Materials, Task, key_of
 
-Key = TypeVar("Key")
+Name = TypeVar("Name")
 Value = TypeVar("Value")
 
 METHOD = "direct_to_indirect"
 KEPT_PRODUCTS = 4
 KEPT_PREVIEWS = 3
+MAP_FILES, MOST_MAPS = {".hdr", ".exr"}, 100
+CAMERA = frozenset({"camera"})
+HELD = CAMERA | {"materials"}  # what products may be made for
 
 
 class View(NamedTuple):
     """What draws a frame: `scale` is left for it to apply; `method` names it to the user.
 
-    `fixed` is whether it was made for the camera of the edits and takes none.
+    `made_for` are the keys of the edits that it was made for, and takes none of.
     """
 
     renderer: Product | DirectPreview
     scale: int
     method: str
-    fixed: bool
+    made_for: frozenset[str]
 
     def relight(self, edits: Edits) -> Frame:
         """The frame under the edits."""
-        if self.fixed:
-            edits = edits.model_copy(update={"camera": None})
-        return self.renderer.relight(edits, self.scale)
+        rest = edits.model_copy(update=dict.fromkeys(self.made_for))
+        return self.renderer.relight(rest, self.scale)
 
 
-class Recent(Generic[Key, Value]):
+class Recent(Generic[Name, Value]):
     """The `limit` entries used last."""
 
     def __init__(self, limit: int) -> None:
         self._limit = limit
-        self._entries: OrderedDict[Key, Value] = OrderedDict()
+        self._entries: OrderedDict[Name, Value] = OrderedDict()
 
-    def get(self, key: Key) -> Value | None:
+    def get(self, key: Name) -> Value | None:
         """The entry; None where there is none."""
         return self._entries.get(key)
 
-    def use(self, key: Key) -> Value | None:
+    def use(self, key: Name) -> Value | None:
         """The entry, now the newest; None where there is none."""
         if key in self._entries:
             self._entries.move_to_end(key)
         return self._entries.get(key)
 
-    def keep(self, key: Key, value: Value) -> None:
+    def keep(self, key: Name, value: Value) -> None:
         """Add an entry, let the oldest go."""
         self._entries[key] = value
         self._entries.move_to_end(key)
@@ -82,7 +86,7 @@ class Stage:
         self.name, self.source, self.description = name, source, description
         self._lock = threading.Lock()
         self._scene: Scene | None = None
-        self._products: Recent[tuple[str, str], Product] = Recent(KEPT_PRODUCTS)
+        self._products: Recent[Key, Product] = Recent(KEPT_PRODUCTS)
         self._previews: Recent[str, DirectPreview] = Recent(KEPT_PREVIEWS)
 
     def scene(self) -> Scene:
@@ -96,23 +100,60 @@ class Stage:
         """The camera under the edits."""
         return edited_camera(self.scene().camera, edits.camera)
 
-    def product(self, camera: Camera, method: str = METHOD) -> Product | None:
-        """The product for this view, if it is loaded."""
-        return self._products.get(_key(camera, method))
+    def with_materials(self, materials: Materials | None) -> Scene:
+        """The scene under edits of materials. Raises EditError."""
+        return apply(self.scene(), Edits(materials=materials))
 
-    def install(self, camera: Camera, method: str, product: Product) -> None:
-        """Use a product from now on."""
-        self._products.keep(_key(camera, method), product)
+    def maps(self) -> list[str]:
+        """Names of the environment maps in the scene's folder; a built-in scene has none."""
+        if self.source in scenes():
+            return []
+        names = sorted(path.name for path in Path(self.source).parent.iterdir())
+        return [name for name in names if self.has_map(name)][:MOST_MAPS]
 
-    def view(self, camera: Camera, scale: int, method: str = METHOD) -> View:
-        """The best there is for this camera."""
-        product = self._products.use(_key(camera, method))
+    def has_map(self, name: str) -> bool:
+        """Whether a map of that name lies in the scene's folder itself."""
+        path = Path(self.source).parent / name
+        return (
+            self.source not in scenes()
+            and path.suffix.lower() in MAP_FILES
+            and PurePath(name).name == name
+            and path.is_file()
+        )
+
+    def product(
+        self, camera: Camera, method: str = METHOD, materials: Materials | None = None
+    ) -> Product | None:
+        """The product for this view and these materials, if it is loaded."""
+        return self._products.get(_key(camera, method, materials))
+
+    def install(self, task: Task, product: Product) -> None:
+        """Use the product of a task from now on."""
+        self._products.keep(task.key[1], product)
+
+    def view(
+        self,
+        camera: Camera,
+        scale: int,
+        method: str = METHOD,
+        materials: Materials | None = None,
+    ) -> View:
+        """The best there is for this camera.
+
+        Raises EditNotSupported for materials that the method holds fixed and has no product for.
+        """
+        product = self._products.use(_key(camera, method, materials))
         if product is not None:
-            return View(product, scale, product.method, "camera" not in EDITS[method])
+            return View(product, scale, product.method, HELD - EDITS[method])
+        if materials:
+            raise EditNotSupported(
+                f"{method} holds materials fixed: have it precomputed with these first",
+                field="materials",
+            )
         key = camera.model_dump_json()
         preview = self._previews.use(key)
         if preview is not None:
-            return View(preview, scale, "direct", True)
+            return View(preview, scale, "direct", CAMERA)
         if scale > 1:
             # A camera that moves would pay for a full buffer at every step: trace fewer rays.
             camera = camera.model_copy(
@@ -120,14 +161,14 @@ class Stage:
             )
         preview = DirectPreview(self.scene().with_camera(camera))
         self._previews.keep(camera.model_dump_json(), preview)
-        return View(preview, 1, "direct", True)
+        return View(preview, 1, "direct", CAMERA)
 
 
-def _key(camera: Camera, method: str) -> tuple[str, str]:
-    """A product of a method that takes any camera is the same for all."""
+def _key(camera: Camera, method: str, materials: Materials | None) -> Key:
+    """See `key_of`; raises NotFound for a method that there is not."""
     if method not in METHODS:
         raise NotFound(f"there is no method {method!r}; there are {', '.join(METHODS)}")
-    return method, view_of(method, camera)
+    return key_of(method, camera, materials)
 
 
 @dataclass(frozen=True)

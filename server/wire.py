@@ -10,13 +10,11 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
-from pydantic_core import PydanticCustomError
+from pydantic import BaseModel, ConfigDict, Field
 
 from engine.diagnosis import Diagnosis
-from engine.light.maps import BUILT_IN
 from engine.scene.camera import Camera
-from engine.scene.edits import Edits as AnyEdits
+from engine.scene.edits import Edits
 
 ImageFormat = Literal["jpeg", "png", "webp", "exr"]
 JobStatus = Literal["queued", "running", "done", "failed", "cancelled"]
@@ -30,23 +28,6 @@ class Wire(BaseModel):
     """Unknown keys, NaN and infinity are refused; what the service sends never changes."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-class Edits(AnyEdits):
-    """Edits from outside, which name no file: whoever sends them may not read this disk."""
-
-    @field_validator("environment")
-    @classmethod
-    def _no_file(cls, change: dict[str, Any] | None) -> dict[str, Any] | None:
-        name = (change or {}).get("map")
-        if isinstance(name, str) and name not in BUILT_IN:
-            raise PydanticCustomError(
-                "map_file",
-                "map {name} is not built in, and no file can be asked for here; "
-                "there are {known}, a radiance [r, g, b], or a sky",
-                {"name": repr(name), "known": ", ".join(BUILT_IN)},
-            )
-        return change
 
 
 class Problem(Wire):
@@ -93,20 +74,49 @@ class MethodState(Wire):
     bytes: int = 0
 
 
-class EnvironmentDetail(Wire):
-    """The scene's own environment, None where there is none; what else its map may be.
+class MapSummary(Wire):
+    """An environment map that was sent: `name` for edits, `label` for people."""
 
-    maps  names of built-in ones; besides them a radiance [r, g, b] or what the JSON schema `sky`
-          describes
+    name: str
+    label: str
+    width: int
+    height: int
+
+
+class EnvironmentDetail(Wire):
+    """The scene's own environment, None where there is none; what else it may be.
+
+    maps        names of built-in ones and of files in the scene's folder
+    uploads     maps that were sent to the service; besides all these a map may be a radiance
+                [r, g, b] or what the JSON schema `sky` describes
+    area_light  JSON schema
     """
 
     description: dict[str, Any] | None
     maps: list[str]
+    uploads: list[MapSummary]
     sky: dict[str, Any]
+    area_light: dict[str, Any]
+
+
+class MaterialDetail(Wire):
+    """A material as it is; how the method models it once its product is there, else None.
+
+    terms, channels, error  see `engine.methods.base.MaterialFit`
+    """
+
+    name: str
+    description: dict[str, Any]
+    terms: int | None = None
+    channels: int | None = None
+    error: float | None = None
 
 
 class SceneDetail(Wire):
-    """What can be seen and edited in a scene; `light_types` has a JSON schema per type."""
+    """What can be seen and edited in a scene; `light_types` has a JSON schema per type.
+
+    `material_presets` are materials by name, as edits take them.
+    """
 
     name: str
     description: str
@@ -116,6 +126,7 @@ class SceneDetail(Wire):
     light_types: dict[str, dict[str, Any]]
     environment: EnvironmentDetail
     materials: list[str]
+    material_presets: dict[str, dict[str, Any]]
     objects: list[str]
     triangles: int
     methods: list[MethodState]
@@ -144,7 +155,7 @@ class FrameHeader(Wire):
 
 
 class PrecomputeRequest(Wire):
-    """Which method to prepare, for the camera of `edits`."""
+    """Which method to prepare, for the camera and the materials of `edits`."""
 
     method: str = "direct_to_indirect"
     settings: dict[str, Any] = {}

@@ -68,9 +68,10 @@ class Worker:
 def draw(stage: Stage, order: Order) -> Drawn:
     """Relight, display and encode; in the render thread alone."""
     start = time.perf_counter()
-    view = stage.view(stage.camera(order.edits), order.scale, order.method)
+    edits = order.edits
+    view = stage.view(stage.camera(edits), order.scale, order.method, edits.materials)
     prepared = time.perf_counter()
-    frame = view.relight(order.edits)
+    frame = view.relight(edits)
     relit = time.perf_counter()
     if order.format == "exr":
         image = encode_exr(frame.image)

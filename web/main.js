@@ -3,6 +3,7 @@
 import { EnvironmentPanel } from "./environment.js";
 import { Handles } from "./handles.js";
 import { Live } from "./live.js";
+import { Materials, post } from "./materials.js";
 import { Orbit } from "./orbit.js";
 import { Panel } from "./panel.js";
 import { Requests } from "./requests.js";
@@ -33,15 +34,29 @@ const handles = new Handles(state, {
 const panel = new Panel(state, {
   list: find("lights"), light: find("light"), add: find("add"), reset: find("reset"),
 });
-const environment = new EnvironmentPanel(state, {
-  box: find("environment"), map: find("environment-map"), reset: find("environment-reset"),
-});
+const environment = new EnvironmentPanel(
+  state,
+  {
+    box: find("environment"), pad: find("pad"), map: find("environment-map"),
+    file: find("map-file"), open: find("map-open"), reset: find("environment-reset"),
+  },
+  { picture: mapPicture, send: sendMap },
+);
+const materials = new Materials(
+  state,
+  { part: find("materials-part"), list: find("materials") },
+  { call, follow: (job) => status.asked(job), problem: (problem) => status.problem(problem) },
+);
 const orbit = new Orbit(state, find("picture"), find("camera-mode"));
 
 state.listen((what, moving) => {
   for (const side of [panel, environment]) what === "scene" ? side.open() : side.draw();
   handles.draw();
-  if (what === "scene" || what === "method") drawMethods();
+  if (what === "scene" || what === "method") {
+    materials.leave();
+    drawMethods();
+  }
+  if (["scene", "method", "materials"].includes(what)) materials.refresh();
   find("camera-reset").disabled = !state.cameraMoved;
   if (what === "exposure") drawExposure();
   if (what === "selected") return;
@@ -61,13 +76,24 @@ async function call(path, options = {}) {
 
 async function precompute() {
   const { camera } = state.edits();
-  const job = await call(`api/scenes/${encodeURIComponent(state.scene.name)}/precompute`, {
-    method: "POST",
-    headers: { "Content-Type": "application/json" },
-    body: JSON.stringify({ method: state.method, edits: camera ? { camera } : {} }),
-  });
+  const job = await call(`api/scenes/${encodeURIComponent(state.scene.name)}/precompute`,
+    post({ method: state.method, edits: camera ? { camera } : {} }));
   status.job(job);
   requests.changed(false);
+}
+
+async function mapPicture(map) {
+  const path = `api/scenes/${encodeURIComponent(state.scene.name)}/environment`;
+  // The scene's own map may be a file that nobody can ask for by name.
+  const own = JSON.stringify(map) === JSON.stringify(state.scene.environment.description?.map);
+  const response = await fetch(path, post(own ? {} : { environment: { map } }));
+  if (!response.ok) throw new Error((await response.json()).detail);
+  return createImageBitmap(await response.blob());
+}
+
+function sendMap(file) {
+  const path = `api/maps?name=${encodeURIComponent(file.name.slice(-200))}`;
+  return call(path, { method: "POST", body: file });
 }
 
 function drawExposure() {
@@ -84,6 +110,8 @@ function showFrame(bitmap, header, roundTrip, cause) {
   // A smaller frame holds every second pixel, the first one of each pair.
   const shift = (1 - header.scale) / 2;
   context.drawImage(bitmap, shift, shift, header.width * header.scale, header.height * header.scale);
+  // What the method makes of the materials is known once its product is there.
+  if (canvas.dataset.method !== header.method) materials.refresh();
   for (const key of ["seq", "scale", "format", "method"]) canvas.dataset[key] = header[key];
   canvas.dataset.state = requests.isFinal(header) ? "final" : "changing";
   find("waiting").hidden = true;
@@ -173,7 +201,10 @@ async function open(scenes, name) {
   live = new Live(name, {
     frame: showFrame,
     job: (job) => status.job(job),
-    problem: (problem) => status.problem(problem),
+    problem: (problem) => {
+      if (problem.field === "materials" && "materials" in state.edits()) materials.again();
+      else status.problem(problem);
+    },
     connected: (on) => status.connected(on),
   });
   state.open(scene);

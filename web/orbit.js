@@ -4,10 +4,13 @@
 import { dolly, orbit, pan } from "./camera.js";
 
 const TURN = Math.PI; // for a drag across the picture
+const SHIFT = 0.02; // of the picture's height, for a key
+const NEARER = 0.95; // for a key
 const SETTLE_MS = 350; // wheel and keys have no end of their own
 
 export class Orbit {
   #drag = null;
+  #fingers = new Map();
   #settle = 0;
 
   constructor(state, picture, toggle) {
@@ -38,31 +41,46 @@ export class Orbit {
   }
 
   #down(event) {
-    if (!this.state.camera || !(event.button === 2 || (this.mode && event.button === 0))) return;
+    const { button } = event;
+    if (!this.state.camera || !(button === 1 || button === 2 || (this.mode && button === 0))) return;
     if (event.target.closest(".progress")) return;
     event.preventDefault();
+    this.picture.focus({ preventScroll: true });
     this.picture.setPointerCapture(event.pointerId);
-    const sky = event.altKey && this.state.environment !== null;
-    this.#drag = { pointer: event.pointerId, x: event.clientX, y: event.clientY, moved: false, sky };
+    this.#fingers.set(event.pointerId, [event.clientX, event.clientY]);
+    if (this.#fingers.size > 1) return;
+    const what = button === 1 ? "shift" : event.altKey && this.state.environment ? "sky" : "turn";
+    this.#drag = { what, moved: false };
   }
 
   #move(event) {
-    const drag = this.#drag;
-    if (!drag || drag.pointer !== event.pointerId) return;
+    const last = this.#fingers.get(event.pointerId);
+    if (!last) return;
     const box = this.picture.getBoundingClientRect();
-    const dx = (event.clientX - drag.x) / box.height;
-    const dy = (event.clientY - drag.y) / box.height;
+    const now = [event.clientX, event.clientY];
+    const [dx, dy] = [0, 1].map((axis) => (now[axis] - last[axis]) / box.height);
     if (!dx && !dy) return;
-    Object.assign(drag, { x: event.clientX, y: event.clientY, moved: true });
-    if (drag.sky) {
-      this.#turnSky(dx, true);
-      return;
-    }
+    const apart = this.#apart();
+    this.#fingers.set(event.pointerId, now);
+    this.#drag.moved = true;
     const { camera } = this.state;
-    this.state.setCamera(
-      event.shiftKey ? pan(camera, dx, dy) : orbit(camera, -TURN * dx, TURN * dy),
-      true,
-    );
+    if (this.#fingers.size > 1) {
+      // Two fingers: what lies between them grows and moves along.
+      const nearer = dolly(camera, apart / Math.max(1, this.#apart()));
+      this.state.setCamera(pan(nearer, dx / 2, dy / 2), true);
+    } else if (this.#drag.what === "sky") {
+      this.#turnSky(dx, true);
+    } else if (this.#drag.what === "shift" || event.shiftKey) {
+      this.state.setCamera(pan(camera, dx, dy), true);
+    } else {
+      this.state.setCamera(orbit(camera, -TURN * dx, TURN * dy), true);
+    }
+  }
+
+  // Pixels between the first two fingers.
+  #apart() {
+    const [a, b] = this.#fingers.values();
+    return b ? Math.max(1, Math.hypot(a[0] - b[0], a[1] - b[1])) : 1;
   }
 
   // The environment follows the hand, as seen from the camera.
@@ -73,10 +91,10 @@ export class Orbit {
   }
 
   #up(event) {
-    if (this.#drag?.pointer !== event.pointerId) return;
-    const { moved, sky } = this.#drag;
+    if (!this.#fingers.delete(event.pointerId) || this.#fingers.size) return;
+    const { moved, what } = this.#drag;
     this.#drag = null;
-    if (moved && sky) this.#turnSky(0, false);
+    if (moved && what === "sky") this.#turnSky(0, false);
     else if (moved) this.state.setCamera(this.state.camera, false);
   }
 
@@ -89,19 +107,22 @@ export class Orbit {
 
   #key(event) {
     if (event.target !== this.picture || !this.state.camera || event.ctrlKey || event.metaKey) return;
-    const angle = (event.altKey ? 0.2 : event.shiftKey ? 10 : 2) * (Math.PI / 180);
-    const { camera } = this.state;
+    const angle = (event.altKey ? 0.2 : 2) * (Math.PI / 180);
+    const by = (x, y) => (camera) =>
+      event.shiftKey ? pan(camera, -x * SHIFT, y * SHIFT) : orbit(camera, x * angle, y * angle);
     const moves = {
-      ArrowLeft: () => orbit(camera, -angle, 0),
-      ArrowRight: () => orbit(camera, angle, 0),
-      ArrowUp: () => orbit(camera, 0, angle),
-      ArrowDown: () => orbit(camera, 0, -angle),
-      PageUp: () => dolly(camera, 1 - angle),
-      PageDown: () => dolly(camera, 1 + angle),
+      ArrowLeft: by(-1, 0),
+      ArrowRight: by(1, 0),
+      ArrowUp: by(0, 1),
+      ArrowDown: by(0, -1),
+      PageUp: (camera) => dolly(camera, NEARER),
+      PageDown: (camera) => dolly(camera, 1 / NEARER),
+      "+": (camera) => dolly(camera, NEARER),
+      "-": (camera) => dolly(camera, 1 / NEARER),
     };
     if (!moves[event.key]) return;
     event.preventDefault();
-    this.#step(moves[event.key]());
+    this.#step(moves[event.key](this.state.camera));
   }
 
   #step(camera) {

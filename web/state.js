@@ -13,14 +13,15 @@ export class State {
     this.scene = null;
     this.lights = [];
     this.environment = null;
+    this.materials = {};
     this.camera = null;
     this.exposure = 0;
     this.method = "direct_to_indirect";
     this.selected = null;
   }
 
-  // Called as listener(what, moving): what is "scene", "lights", "environment", "camera",
-  // "exposure", "method" or "selected"; moving is true while the hand is still at it.
+  // Called as listener(what, moving): what is "scene", "lights", "environment", "materials",
+  // "camera", "exposure", "method" or "selected"; moving is true while the hand is still at it.
   listen(listener) {
     this.#listeners.push(listener);
   }
@@ -33,6 +34,7 @@ export class State {
     this.scene = scene;
     this.lights = structuredClone(scene.lights);
     this.environment = structuredClone(scene.environment.description);
+    this.materials = {};
     this.camera = structuredClone(scene.camera);
     this.selected = scene.lights[0]?.id ?? null;
     this.#tell("scene");
@@ -88,6 +90,12 @@ export class State {
 
   resetEnvironment() {
     this.setEnvironment(structuredClone(this.scene.environment.description));
+  }
+
+  // Edits of materials that the method has been precomputed with, by name.
+  setMaterials(materials) {
+    this.materials = materials;
+    this.#tell("materials");
   }
 
   select(id) {
@@ -205,6 +213,8 @@ export class State {
       (light) => !same(light, this.scene.lights.find((old) => old.id === light.id)),
     );
     if (lights.length && this.takes("lights")) edits.lights = lights;
+    // A method that holds the camera fixed too has not been precomputed with them.
+    if (Object.keys(this.materials).length && this.takes("camera")) edits.materials = this.materials;
     if (this.environmentChanged) edits.environment = this.#environmentEdit();
     if (this.cameraMoved) {
       const { position, target, up, fov_y_degrees } = this.camera;

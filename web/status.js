@@ -6,13 +6,19 @@ const NAMES = {
   glossy_prt: "Glossy transfer",
 };
 
+// What a precompute brings.
+const MADE = { direct_to_indirect: "Indirect light", glossy_prt: "Glossy transport" };
+
 const PHASES = {
   bounce: "bounces between surfaces, step 1 of 2,",
   final: "light from surfaces to the picture, step 2 of 2,",
 };
+// Of those that end in the number of a pass and of a material.
+const NUMBERED = { direct: "direct light", bounce: "bounces" };
 
 export class Status {
   #job = null;
+  #asked = null;
 
   // action(job) is called by the button beside the progress bar.
   constructor(find, action) {
@@ -39,7 +45,7 @@ export class Status {
     find("status-error").textContent =
       header.error === null ? "" : `error about ${(100 * header.error).toFixed(1)} %`;
     this.#notes(header.warnings.map((w) => w.message));
-    if (!header.job) this.job(null);
+    if (!header.job && !this.#asked) this.job(null);
     find("problem").hidden = true;
   }
 
@@ -59,19 +65,26 @@ export class Status {
     box.hidden = false;
   }
 
+  // A job that was asked for beside those that frames wait for; null when it is over.
+  asked(job) {
+    this.#asked = job;
+    this.job(job);
+  }
+
   job(job) {
     const { find } = this;
     this.#job = job;
     const over = !job || job.status === "done";
     find("progress").hidden = over;
     if (over) return;
+    const light = MADE[job.method] ?? "Light";
     const percent = Math.round(100 * job.fraction);
     const left = job.eta_seconds === null ? "" : `, ${duration(job.eta_seconds)} left`;
     const texts = {
-      queued: "Indirect light is waiting for its turn",
-      running: `Computing indirect light: ${PHASES[job.phase] ?? job.phase} ${percent} %${left}`,
-      failed: `No indirect light: ${job.problem?.detail ?? "the precompute failed"}`,
-      cancelled: "Indirect light was cancelled: direct light only",
+      queued: `${light} is waiting for its turn`,
+      running: `Computing ${light.toLowerCase()}: ${phase(job.phase)} ${percent} %${left}`,
+      failed: `No ${light.toLowerCase()}: ${job.problem?.detail ?? "the precompute failed"}`,
+      cancelled: `${light} was cancelled: direct light only`,
     };
     const text = find("progress-text");
     if (text.textContent !== texts[job.status]) text.textContent = texts[job.status];
@@ -81,6 +94,12 @@ export class Status {
     const ended = job.status === "failed" || job.status === "cancelled";
     find("progress-action").textContent = ended ? "Compute" : "Cancel";
   }
+}
+
+function phase(name) {
+  const [kind, ...numbers] = name.split("-");
+  if (!numbers.length || !NUMBERED[kind]) return PHASES[name] ?? name;
+  return `${NUMBERED[kind]} on material ${1 + Number(numbers.at(-1))}`;
 }
 
 function duration(seconds) {

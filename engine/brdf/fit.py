@@ -34,6 +34,23 @@ class Pairs(NamedTuple):
     value: NDArray[np.float64]
 
 
+class Fit(NamedTuple):
+    """How well terms fit a material.
+
+    error      cosine-weighted root mean square, as a part of that of the material
+    kept       of its albedo, in the channel that keeps least
+    negative   part of its light that is negative, see `negative_share`
+    needed     terms that would hold a bound that the error is beyond
+    tabulated  of its albedo that maps of this size hold with any number of terms
+    """
+
+    error: float
+    kept: float
+    negative: float
+    needed: int
+    tabulated: float
+
+
 def uniform_pairs(material: Material, count: int = PAIRS, seed: int = 1) -> Pairs:
     """Pairs of directions that are uniform over the hemisphere, `glossy_prt` §5.2.1."""
     rng = np.random.default_rng(seed)
@@ -126,28 +143,37 @@ def terms_for(material: Material, error: float, size: int = SIZE) -> tuple[int, 
     return most, float(kept[np.abs(kept - 1).argmax()])
 
 
-def fit_diagnosis(
-    name: str, material: Material, factored: Factored, error: float
-) -> Diagnosis | None:
-    """What to say of a fit whose relative RMS error is above `error`; None where it is not.
+def fit_of(material: Material, factored: Factored, bound: float) -> Fit:
+    """How well the terms fit a material; what more terms would do is found beyond the bound only.
 
-    name is the material's. It names the number of terms that would hold the error and, where maps
-    of this size are too coarse for the lobe whatever their number, says so.
+    Takes up to a second; the factored form is that of the material, whatever made it.
     """
     each, whole = rms_errors(factored, uniform_pairs(material))
-    found = float(each[-1]) / whole if whole > 0 else 0.0
-    if found <= error:
+    error = float(each[-1]) / whole if whole > 0 else 0.0
+    needed, tabulated = factored.terms, 1.0
+    if error > bound:
+        needed, tabulated = terms_for(material, bound, factored.light.shape[0])
+    kept = float(albedo_kept(factored, material).min())
+    return Fit(error, kept, negative_share(factored), needed, tabulated)
+
+
+def fit_diagnosis(name: str, fit: Fit, factored: Factored, bound: float) -> Diagnosis | None:
+    """What to say of a fit whose error is beyond the bound; None where it is not.
+
+    name is the material's. It names the number of terms that would hold the bound and, where maps
+    of this size are too coarse for the lobe whatever their number, says so.
+    """
+    if fit.error <= bound:
         return None
     size = factored.light.shape[0]
-    needed, tabulated = terms_for(material, error, size)
-    kept = albedo_kept(factored, material)
-    advice = f"{needed} terms would hold {100 * error:g} %"
-    if abs(tabulated - 1) > OFF_ENERGY:
+    advice = f"{fit.needed} terms would hold {100 * bound:g} %"
+    if abs(fit.tabulated - 1) > OFF_ENERGY:
         advice += f", but only on finer maps: {size} texels across do not resolve its highlight"
     return Diagnosis(
-        "brdf_fit_coarse",
-        f"material {name!r} is fitted by {factored.terms} terms to {100 * found:.0f} %: its "
-        f"highlights are too wide and dim, {100 * negative_share(factored):.0f} % of its light is "
-        f"negative and clamped, and it keeps {100 * kept.min():.0f} % of its albedo; {advice}.",
-        found,
+        "too_glossy_for_terms",
+        f"Material {name!r} is too glossy for {factored.terms} terms: their fit is "
+        f"{100 * fit.error:.0f} % off (RMS), highlights are too wide and dim, "
+        f"{100 * fit.negative:.0f} % of its light is negative and clamped, and it keeps "
+        f"{100 * fit.kept:.0f} % of its albedo; {advice}.",
+        fit.error,
     )

@@ -3,7 +3,8 @@
 A texel holds the mean of the map over its solid angle. What part of each texel each pixel of a
 latitude-longitude map covers is found once; a turn about +y then is a shift of the map's columns,
 so that it flickers nowhere, has no seam, and is quick. The parts are balanced: a constant map gives
-the same constant, and every pixel brings its whole energy, at any angle.
+the same constant, and every pixel brings its whole energy, at any angle. An area light is added to
+the texels (`cube_disk`), so that moving it never asks for another map.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.sparse import block_array, csr_array, diags_array
 from scipy.sparse.linalg import cg
 
+from engine.light.cube_disk import covered
 from engine.light.environment import Environment
 from engine.numerics import cube_map, haar
 from engine.numerics.parallel import for_ranges
@@ -62,6 +64,9 @@ class CubeLight:
         for_ranges(_turn, self._height, self._map, int(whole), part, description.intensity, turned)
         parts = _parts(self._n)
         for_ranges(_mix, len(out), *parts, turned.reshape(-1, 3), out, grain=1024)
+        if description.area_light is not None:
+            disk = environment.disk
+            out += covered(disk, self._n)[:, None] * np.array(disk.radiance, np.float32)
         return out
 
     def coefficients(self, environment: Environment | None) -> NDArray[np.float32]:

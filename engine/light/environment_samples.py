@@ -5,6 +5,9 @@ environment samples, whose radiance is a rotated look-up of the map. Here they a
 of `engine.numerics.octahedron`, so that the Haar basis is on them too. A sample is the mean of the
 map over its cell, by a fine grid of places. A turn about +y moves the places along the map's rows:
 what they are is found once, and a turned map costs no trigonometry.
+
+An area light is in none of the samples: it is small and sharp, and shines as lights do
+(`engine.light.lamps`).
 """
 
 from __future__ import annotations
@@ -17,6 +20,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.light.environment import Environment
+from engine.light.far_disk import radius_of
 from engine.numerics.octahedron import centres
 from engine.numerics.parallel import for_ranges
 
@@ -24,6 +28,7 @@ DEPTH = 7  # 16,384 samples, 1.6 degrees wide
 FINE = 9  # levels of the grid of places
 SPACING = math.sqrt(4 * math.pi / 4**FINE)  # radians from one of them to the next
 WIDEST = 1024  # columns; maps with more are averaged down first, which no place would notice
+RIM = math.radians(0.1)  # of an area light that is seen: about a pixel, so that it is no staircase
 
 
 def places_on_map(d: NDArray[np.floating]) -> NDArray[np.float32]:
@@ -34,9 +39,18 @@ def places_on_map(d: NDArray[np.floating]) -> NDArray[np.float32]:
 
 
 def seen_radiance(environment: Environment, places: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(n, 3) float32: radiance from `places_on_map`, piecewise constant as in every renderer."""
+    """(n, 3) float32: what the camera sees at `places_on_map`, black without background.
+
+    The map is piecewise constant as in every renderer; the rim of an area light is smooth.
+    """
     out = np.zeros((len(places), 3), np.float32)
+    if not environment.description.background:
+        return out
     for_ranges(_look_up, len(places), *_turned(environment, environment.radiance), places, out)
+    if environment.description.area_light is not None:
+        disk = environment.disk
+        centre = places_on_map(np.array([disk.axis]))[0]
+        for_ranges(_add_disk, len(places), centre, radius_of(disk), disk.radiance, places, out)
     return out
 
 
@@ -87,6 +101,24 @@ def _look_up(start, stop, radiance, shift, factor, places, out):
         column = min(width - 1, int((places[i, 0] + shift) % 1.0 * width))
         for c in range(3):
             out[i, c] = factor * radiance[row, column, c]
+
+
+@njit(cache=True, nogil=True)
+def _add_disk(start, stop, centre, radius, radiance, places, out):
+    """Add a disk of a radius, radians, about a place on the map."""
+    height = math.pi * centre[1]
+    c, s = math.cos(height), math.sin(height)
+    for i in range(start, stop):
+        v = math.pi * places[i, 1]
+        # Most places are nowhere near it.
+        if abs(v - height) > radius + RIM:
+            continue
+        across = 2.0 * math.pi * (places[i, 0] - centre[0])
+        cosine = c * math.cos(v) + s * math.sin(v) * math.cos(across)
+        away = radius - math.acos(max(-1.0, min(1.0, cosine)))
+        cover = max(0.0, min(1.0, 0.5 + away / RIM))
+        for k in range(3):
+            out[i, k] += cover * radiance[k]
 
 
 @njit(cache=True, nogil=True)

@@ -80,7 +80,7 @@ def _lamp(away: NDArray[np.float64], flux: NDArray[np.float64]) -> Lamp:
 
 
 def suns(environment: Environment, lamps: list[Lamp]) -> tuple[SunLight, ...]:
-    """The lights that stand for lamps of an environment as it is turned."""
+    """The lights that stand for lamps of an environment as it is turned, and for its area light."""
     angle = math.radians(environment.description.rotation_degrees % 360.0)
     c, s = math.cos(angle), math.sin(angle)
     factor = environment.description.intensity
@@ -94,6 +94,19 @@ def suns(environment: Environment, lamps: list[Lamp]) -> tuple[SunLight, ...]:
                 direction=(-(c * x + s * z), -y, -(c * z - s * x)),
                 diameter_degrees=diameter,
                 intensity=(red, green, blue),
+            )
+        )
+    light, disk = environment.description.area_light, environment.disk
+    if light is not None and any(disk.radiance):
+        facing = math.pi * disk.versine * (2 - disk.versine)
+        x, y, z = disk.axis
+        red, green, blue = disk.radiance
+        found.append(
+            SunLight(
+                id="environment area light",
+                direction=(-x, -y, -z),
+                diameter_degrees=2 * light.radius_degrees,
+                intensity=(facing * red, facing * green, facing * blue),
             )
         )
     return tuple(found)

@@ -12,20 +12,20 @@ from numpy.typing import NDArray
 
 from engine.errors import SceneError
 from engine.images import read_image
+from engine.light.cube_file import cube_faces, unfolded
 from engine.light.environment import Environment, EnvironmentDescription
 from engine.light.sky import Sky, sky
 from engine.numerics.description import Radiance
 
 KEPT_MAPS = 4
+FACES = ("+X", "-X", "+Y", "-Y", "+Z", "-Z")
 
 
 def load_environment(description: EnvironmentDescription, folder: Path) -> Environment:
     """The environment of a description; file names are relative to `folder`.
 
     The maps used last are kept, since a hand that turns one asks for it at every step. Raises
-    SceneError, naming the file, where the map is missing, damaged, not twice as wide as high, or
-    holds NaN or infinity. Negative values, which lossy EXR compression leaves near sharp lamps,
-    become 0.
+    SceneError, naming the file, where the map is missing or cannot be used; see `read_map`.
     """
     if isinstance(description.map, Sky):
         return Environment(description, _sky(description.map))
@@ -61,26 +61,39 @@ def _built_in(name: str) -> NDArray[np.float32]:
 @lru_cache(KEPT_MAPS)
 def _file(path: Path, modified: int) -> NDArray[np.float32]:
     """`modified` makes a file that has changed another one."""
-    return _checked(read_image(path), path)
+    return read_map(path)
 
 
-def _checked(image: NDArray[np.float32], path: Path) -> NDArray[np.float32]:
+def read_map(path: Path) -> NDArray[np.float32]:
+    """(h, w, 3) float32 of an image file: a latitude-longitude map, or a cube map made into one.
+
+    Raises SceneError, naming the file, where it is damaged, of another shape (`cube_file` has those
+    of cube maps), or holds NaN or infinity. Negative values, which lossy EXR compression leaves
+    near sharp lamps, become 0.
+    """
+    image = read_image(path)
     height, width = image.shape[:2]
-    if abs(width - 2 * height) > 0.1 * width:
+    faces = cube_faces(image)
+    if faces is None and abs(width - 2 * height) > 0.1 * width:
         raise SceneError(
-            f"a latitude-longitude map is twice as wide as high, this is {width} x {height}",
+            "a latitude-longitude map is twice as wide as high, a cube map is a cross of 4 to 3 or "
+            f"3 to 4 or a strip of 6 to 1 or 1 to 6; this is {width} x {height}",
             field="environment.map",
             file=str(path),
         )
-    bad = ~np.isfinite(image).all(axis=2)
+    pixels = image if faces is None else faces
+    bad = ~np.isfinite(pixels).all(axis=-1)
     if bad.any():
-        row, column = np.argwhere(bad)[0]
+        row, column = np.argwhere(bad)[0][-2:]
+        face = "" if faces is None else f"face {FACES[np.argwhere(bad)[0][0]]}, "
         raise SceneError(
-            f"{bad.sum()} pixels are NaN or infinite, the first at row {row}, column {column}",
+            f"{bad.sum()} pixels are NaN or infinite, the first at {face}row {row}, "
+            f"column {column}",
             field="environment.map",
             file=str(path),
         )
-    return np.maximum(image, 0)
+    light = np.maximum(pixels, 0)
+    return light if faces is None else unfolded(light)
 
 
 # Soft boxes of the studio: azimuth from -z towards +x, elevation, half width and half height in

@@ -67,8 +67,12 @@ def mitsuba_scene(
         if light.enabled:
             document[f"light{index}"] = _emitter(light, lamp_albedo)
     if scene.environment is not None:
-        if scene.environment.radiance.shape[:2] != (1, 1):
-            raise InputError("Mitsuba gets no environment maps from us", field="environment")
+        d = scene.environment.description
+        if scene.environment.radiance.shape[:2] != (1, 1) or d.area_light or not d.background:
+            raise InputError(
+                "Mitsuba gets even environments from us, without area lights and in the background",
+                field="environment",
+            )
         document["environment"] = {
             "type": "constant",
             "radiance": _rgb(scene.environment.table.radiance[0, 0]),

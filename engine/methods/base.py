@@ -45,6 +45,21 @@ class Frame:
     warnings: tuple[Diagnosis, ...] = ()
 
 
+@dataclass(frozen=True)
+class MaterialFit:
+    """How a method models one of a scene's materials.
+
+    terms     of its BRDF
+    channels  1 where its transport is grey, else 3
+    error     of the BRDF, cosine-weighted root mean square as a part of the BRDF's own; 0 is exact
+    """
+
+    name: str
+    terms: int
+    channels: int
+    error: float
+
+
 class Product(Protocol):
     """A finished precompute: holds the transport, makes frames."""
 
@@ -59,6 +74,10 @@ class Product(Protocol):
     @property
     def bytes(self) -> int:
         """Size of the transport data."""
+
+    @property
+    def fits(self) -> tuple[MaterialFit, ...]:
+        """How well it models the scene's materials; empty where it takes them as they are."""
 
     def relight(self, edits: Edits, scale: int = 1, backend: Backend | None = None) -> Frame:
         """The picture under the edits; scale 2 gives every second pixel of every second row.

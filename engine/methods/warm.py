@@ -20,6 +20,7 @@ import numba
 
 from engine.backend.gl.bvh import build_tree
 from engine.brdf.table import MODELS
+from engine.light.cube_disk import covered
 from engine.light.table import LIGHTS
 from engine.methods import METHODS, prepare
 from engine.methods.base import Progress, silent
@@ -80,6 +81,9 @@ def _pictures(report: Report) -> None:
     report(0.2)
     for scale in (1, 2):
         to_srgb8(preview.relight(Edits(), scale).image, 0.0)
+    environment = preview.view.scene.environment
+    if environment is not None:
+        covered(environment.disk, 8)
     report(1)
 
 
@@ -121,7 +125,7 @@ def tiny_scene() -> Scene:
     kinds = [model.model_fields["type"].default for model in MODELS]
     document = {
         "camera": {"position": (0, 1, 4), "target": (0, 0, 0), "width": 32, "height": 32},
-        "environment": {"map": "studio"},
+        "environment": {"map": "studio", "area_light": {"direction": (0, -1, 0.1)}},
         "lights": [_light(light.model_fields) for light in LIGHTS],
         "materials": {f"material {i}": {"type": kind} for i, kind in enumerate(kinds)},
         "objects": [floor, *spheres],

@@ -106,8 +106,9 @@ def seen(world, o, d, distance, triangle, scattered):
 
     `distance` and `triangle` are the nearest hit's (infinite, -1 for none). `scattered` is the
     density with which BRDF sampling took d: what `light_sample` could also have found is weighed
-    against it; negative for a ray from the camera, which sees everything in full. Local lights
-    are no obstacles: a ray sees all that lie before its hit, so that light adds up.
+    against it; negative for a ray from the camera, which sees everything in full, but for an
+    environment without background. Local lights are no obstacles: a ray sees all that lie before
+    its hit, so that light adds up.
     """
     total = (0.0, 0.0, 0.0)
     for light in range(world.lights.kind.shape[0]):
@@ -118,7 +119,7 @@ def seen(world, o, d, distance, triangle, scattered):
                 share = 1.0 if scattered < 0.0 else weigh(scattered, table.pdf(kind, row, o, d))
                 total = add(total, scale((r, g, b), share))
     if triangle < 0:
-        share = 1.0
+        share = 1.0 if world.environment.seen else 0.0
         if scattered >= 0.0:
             share = weigh(scattered, environment.pdf(world.environment, d))
         return add(total, scale(environment.radiance(world.environment, d), share))

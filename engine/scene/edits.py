@@ -33,7 +33,7 @@ class Edits(Description):
     """What the user changed; an absent key changes nothing.
 
     camera       some of the camera's fields
-    environment  some of the environment's fields
+    environment  some of the environment's fields, and of its area light's; null is no area light
     lights       each {"id": ..., some fields}; a known id is changed, an unknown one is added and
                  must be complete; {"id": ..., "enabled": false} turns a light off
     materials    {material name: some of its fields}
@@ -149,6 +149,8 @@ def edited_environment(
         return environment
     old = environment.description.model_dump() if environment is not None else {}
     merged = {**old, **change}
+    if isinstance(old.get("area_light"), dict) and isinstance(change.get("area_light"), dict):
+        merged["area_light"] = {**old["area_light"], **change["area_light"]}
     try:
         description = EnvironmentDescription.model_validate(merged)
     except ValidationError as error:

@@ -35,7 +35,8 @@ scene = open_scene(sys.argv[1])
 scene = scene.with_camera(edited_camera(scene.camera, {"width": 40, "height": 30}))
 store = Store(Path(sys.argv[2]))
 lights = [{"id": light.id, "intensity": [1, 2, 3]} for light in scene.lights]
-environment = {"map": "studio", "rotation_degrees": 20}
+light = {"direction": [1, -1, 0]}
+environment = {"map": "studio", "rotation_degrees": 20, "area_light": light}
 settings = Settings(gather_samples=256)
 products = [prepare(scene, warm.METHOD, settings, store=store) for _ in range(2)]
 for view in (DirectPreview(scene), *products):

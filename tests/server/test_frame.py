@@ -54,6 +54,9 @@ def test_describes_a_scene(client: Client) -> None:
     assert scene["environment"]["description"] is None
     assert scene["environment"]["maps"] == ["studio"]
     assert scene["environment"]["sky"]["properties"]["turbidity"]["maximum"] == 10
+    assert scene["environment"]["area_light"]["properties"]["radius_degrees"]["maximum"] == 45
+    assert scene["material_presets"]["red Phong"]["exponent"] == 50
+    assert "emission" not in scene["material_presets"]["plain diffuse"]
     assert scene["triangles"] == 30
 
 

@@ -66,13 +66,13 @@ def test_names_follow_the_address() -> None:
     assert here._wrong("[::1]:8000", "http://[::1]:8000") is None
 
 
-@pytest.mark.parametrize("name", ["/etc/hostname", "../secret.exr", "sky.exr"])
-def test_edits_name_no_files(client: httpx.Client, tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize("name", ["/etc/hostname", "../secret.exr", "sky.exr", "upload:0"])
+def test_edits_name_no_files_elsewhere(client: httpx.Client, tmp_path: Path, name: str) -> None:
     edits = {"environment": {"map": name}}
     answer = client.post("/api/scenes/tiny-box/frame", json=edits)
     assert answer.status_code == 422
-    assert answer.json()["field"] == "environment"
-    assert "no file can be asked for here" in answer.json()["detail"]
+    assert answer.json()["field"] == "environment.map"
+    assert "can be asked for here" in answer.json()["detail"]
     for fine in ("studio", [1, 1, 1], {"sun_direction": [0, -1, 0]}):
         answer = client.post("/api/scenes/tiny-box/frame", json={"environment": {"map": fine}})
         assert answer.status_code == 200

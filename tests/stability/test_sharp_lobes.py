@@ -10,10 +10,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from engine.brdf.base import Material
+from engine.brdf.factored import Factored
 from engine.brdf.factorisation import factor
 from engine.brdf.fit import (
     albedo_kept,
     fit_diagnosis,
+    fit_of,
     negative_share,
     rms_errors,
     terms_for,
@@ -22,6 +25,7 @@ from engine.brdf.fit import (
 from engine.brdf.non_negative import non_negative
 from engine.brdf.phong import Phong
 from engine.brdf.published import SKIN
+from engine.diagnosis import Diagnosis
 
 
 def lobe(exponent: float) -> Phong:
@@ -60,19 +64,23 @@ def test_terms_that_would_hold_an_error() -> None:
     assert each[-1] / whole == pytest.approx(0.3, abs=0.08)
 
 
+def told(name: str, material: Material, factored: Factored, bound: float) -> Diagnosis | None:
+    return fit_diagnosis(name, fit_of(material, factored, bound), factored, bound)
+
+
 def test_what_the_user_is_told() -> None:
-    told = fit_diagnosis("mirror", lobe(2000.0), factor(lobe(2000.0), 4, 24), 0.1)
-    assert told is not None
-    assert told.code == "brdf_fit_coarse"
-    assert told.size > 0.9
+    mirror = told("mirror", lobe(2000.0), factor(lobe(2000.0), 4, 24), 0.1)
+    assert mirror is not None
+    assert mirror.code == "too_glossy_for_terms"
+    assert mirror.size > 0.9
     for words in ("'mirror'", "4 terms", "negative and clamped", "would hold 10 %", "finer maps"):
-        assert words in told.message
+        assert words in mirror.message
     # A lobe that the texels resolve needs terms alone.
-    wide = fit_diagnosis("satin", lobe(8.0), factor(lobe(8.0), 4, 24), 0.1)
+    wide = told("satin", lobe(8.0), factor(lobe(8.0), 4, 24), 0.1)
     assert wide is not None
     assert "terms would hold 10 %." in wide.message
     # The error holds: nothing to say.
-    assert fit_diagnosis("skin", SKIN, factor(SKIN, 16, 32), 0.2) is None
+    assert told("skin", SKIN, factor(SKIN, 16, 32), 0.2) is None
 
 
 @pytest.mark.parametrize("exponent", [50.0, 1000.0])

@@ -17,7 +17,7 @@ from engine.diagnosis import Diagnosis
 from engine.errors import BackendError
 from engine.light.base import Light
 from engine.light.environment import Environment
-from engine.methods.base import Frame, require_supported
+from engine.methods.base import Frame, MaterialFit, require_supported
 from engine.methods.clock import Clock
 from engine.methods.direct_to_indirect.bounces import Bounces
 from engine.methods.direct_to_indirect.coverage import uncovered
@@ -125,6 +125,11 @@ class Transfer:
         """Bytes of the matrices, all that a frame reads of the transport."""
         matrices = (self.final, self.gloss, self.bounce, *self.environment)
         return sum(array.nbytes for rows in matrices for array in rows)
+
+    @property
+    def fits(self) -> tuple[MaterialFit, ...]:
+        """None: materials are taken as they are."""
+        return ()
 
     def relight(self, edits: Edits, scale: int = 1, backend: Backend | None = None) -> Frame:
         """See `engine.methods.base.Product.relight`."""

@@ -13,6 +13,8 @@ from engine.backend.gl.context import Device, Uploads, gl_errors
 from engine.backend.gl.seen import Seen, Sight
 from engine.brdf.base import DIFFUSE
 from engine.light.environment import Environment, is_same
+from engine.light.environment_samples import RIM
+from engine.light.far_disk import NO_DISK, radius_of
 from engine.methods.glossy_prt.vertices import Vertices
 from engine.methods.glossy_prt.view import NEAR, STEP
 from engine.methods.glossy_prt.views import LOWEST, Maps
@@ -124,14 +126,20 @@ class GlPrt:
 
 
 def _of_map(environment: Environment | None) -> dict[str, Any]:
-    """Uniforms of `shaders/light/environment.glsl`."""
-    if environment is None:
-        return {"u_map": (0, 0), "u_map_shift": 0.0, "u_map_factor": 0.0}
-    description, (height, width) = environment.description, environment.radiance.shape[:2]
+    """Uniforms of `shaders/light/environment.glsl`; nothing is seen without background."""
+    size, shift, factor, disk = (0, 0), 0.0, 0.0, NO_DISK
+    if environment is not None and environment.description.background:
+        height, width = environment.radiance.shape[:2]
+        size, disk = (width, height), environment.disk
+        shift = environment.description.rotation_degrees / 360 % 1.0
+        factor = environment.description.intensity
     return {
-        "u_map": (width, height),
-        "u_map_shift": description.rotation_degrees / 360 % 1.0,
-        "u_map_factor": description.intensity,
+        "u_map": size,
+        "u_map_shift": shift,
+        "u_map_factor": factor,
+        "u_disk": (*disk.axis, radius_of(disk)),
+        "u_disk_radiance": disk.radiance,
+        "u_rim": RIM,
     }
 
 

@@ -18,6 +18,7 @@ from engine.methods.glossy_prt.compression import Job as ClusterJob
 from engine.methods.glossy_prt.compression import cluster_chunk
 from engine.methods.glossy_prt.direct import SOURCE, OpenParts, direct_chunk
 from engine.methods.glossy_prt.direct import Job as DirectJob
+from engine.methods.glossy_prt.fits import fits_of
 from engine.methods.glossy_prt.gl_visibility import GlVisibility
 from engine.methods.glossy_prt.interreflection import Job as BounceJob
 from engine.methods.glossy_prt.interreflection import Sources, bounce_chunk, stack
@@ -46,12 +47,13 @@ def precompute(
     vertices = build_vertices(scene)
     progress("vertices", 1, 1)
     terms = _terms(scene, settings, entry, progress)
+    fits = fits_of(scene, terms, entry, progress)
     transport = _read(entry, settings, len(terms))
     if transport is None:
         transport = _Run(scene, settings, vertices, terms, parts, executor, progress).transport()
         _write(transport, entry)
         parts.remove()
-    return Prt(scene, settings, vertices, terms, transport)
+    return Prt(scene, settings, vertices, terms, transport, fits)
 
 
 def _write(transport: Transport, entry: Entry) -> None:

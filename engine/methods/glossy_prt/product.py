@@ -20,8 +20,9 @@ from engine.diagnosis import Diagnosis
 from engine.errors import BackendError
 from engine.light.cube_light import CubeLight
 from engine.light.environment import Environment, is_same
-from engine.methods.base import Frame, require_supported
+from engine.methods.base import Frame, MaterialFit, require_supported
 from engine.methods.clock import Clock
+from engine.methods.glossy_prt.fits import Fits
 from engine.methods.glossy_prt.gl_prt import GlPrt
 from engine.methods.glossy_prt.settings import Settings
 from engine.methods.glossy_prt.shade import Responses, respond, shade
@@ -66,8 +67,9 @@ class Prt:
         vertices: Vertices,
         terms: list[Terms],
         transport: Transport,
+        fits: Fits,
     ) -> None:
-        """terms are those of the scene's materials."""
+        """terms and fits are those of the scene's materials."""
         self.scene, self._settings = scene, settings
         self.vertices, self.terms, self.transport = vertices, terms, transport
         count = np.bincount(vertices.material, minlength=len(terms))
@@ -85,7 +87,8 @@ class Prt:
         self._gl: GlPrt | None = None
         self._gl_failed: Diagnosis | None = None
         said = (_local_lights(scene), _truncated(transport.left))
-        self._of_scene = tuple(d for d in said if d is not None)
+        self._of_scene = (*(d for d in said if d is not None), *fits.said)
+        self._fits = fits.materials
 
     @property
     def method(self) -> str:
@@ -101,6 +104,11 @@ class Prt:
     def bytes(self) -> int:
         """Bytes of the transport vectors."""
         return sum(factor.bytes for _, factor in self._factors)
+
+    @property
+    def fits(self) -> tuple[MaterialFit, ...]:
+        """How well the terms fit the materials that something is made of."""
+        return self._fits
 
     def relight(self, edits: Edits, scale: int = 1, backend: Backend | None = None) -> Frame:
         """See `engine.methods.base.Product.relight`."""

@@ -167,6 +167,18 @@ def test_what_is_behind(make: Make, tmp_path: Path, map_: Any, degrees: float) -
     assert_same(product, Edits(environment=fields, camera={"fov_y_degrees": 90}))
 
 
+@pytest.mark.parametrize("background", [True, False])
+@pytest.mark.parametrize("radius", [1.0, 25.0])
+def test_an_area_light_behind_and_no_background(
+    make: Make, tmp_path: Path, radius: float, background: bool
+) -> None:
+    product = make(with_texture(tmp_path, GREY))
+    light = {"direction": [-0.9, 0.4, 1], "radius_degrees": radius, "radiance": [5, 4, 3]}
+    fields = {"rotation_degrees": 20, "area_light": light, "background": background}
+    image = assert_same(product, Edits(environment=fields, camera={"fov_y_degrees": 100}))
+    assert (image.max() >= 5) == background
+
+
 def test_no_environment_at_all(make: Make, tmp_path: Path) -> None:
     textured = with_texture(tmp_path, GREY)
     dark = make(replace(textured, environment=None))

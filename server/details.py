@@ -1,0 +1,107 @@
+"""What there is to know about a scene, as it crosses the wire."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.brdf.diffuse import Diffuse
+from engine.brdf.published import PUBLISHED
+from engine.errors import NotFound
+from engine.light.far_disk import FarDisk
+from engine.light.maps import BUILT_IN
+from engine.light.sky import Sky
+from engine.light.table import LIGHTS
+from engine.light.thumbnail import thumbnail
+from engine.methods import METHODS
+from engine.scene.edits import Edits, edited_environment
+from server.stage import Stage
+from server.wire import (
+    EnvironmentDetail,
+    JobState,
+    MapSummary,
+    MaterialDetail,
+    MethodState,
+    Notice,
+    SceneDetail,
+)
+
+
+def scene_detail(stage: Stage, uploads: list[MapSummary], job: JobState | None) -> SceneDetail:
+    """Everything the page needs to know about a scene; opens it. The job is at its product."""
+    scene = stage.scene()
+    own = scene.environment
+    return SceneDetail(
+        name=stage.name,
+        description=stage.description,
+        camera=scene.camera,
+        diagonal=scene.diagonal,
+        lights=[light.model_dump() for light in scene.lights],
+        light_types=light_types(),
+        environment=EnvironmentDetail(
+            description=None if own is None else own.description.model_dump(),
+            maps=[*BUILT_IN, *stage.maps()],
+            uploads=uploads,
+            sky=Sky.model_json_schema(),
+            area_light=FarDisk.model_json_schema(),
+        ),
+        materials=list(scene.material_names),
+        material_presets=material_presets(),
+        objects=list(scene.object_names),
+        triangles=len(scene.geometry.triangles),
+        methods=method_states(stage),
+        warnings=[Notice(**asdict(diagnosis)) for diagnosis in scene.diagnoses],
+        job=job,
+    )
+
+
+def method_states(stage: Stage) -> list[MethodState]:
+    """All methods, for the scene's own camera and materials."""
+    camera, states = stage.scene().camera, []
+    for method in METHODS.values():
+        product = stage.product(camera, method.name)
+        states.append(
+            MethodState(
+                name=method.name,
+                paper=method.paper,
+                edits=sorted(method.edits),
+                ready=product is not None,
+                bytes=product.bytes if product is not None else 0,
+            )
+        )
+    return states
+
+
+def light_types() -> dict[str, dict[str, Any]]:
+    """The JSON schema of every kind of light, by its `type`."""
+    return {kind.model_fields["type"].default: kind.model_json_schema() for kind in LIGHTS}
+
+
+def material_presets() -> dict[str, dict[str, Any]]:
+    """Materials to choose from, as edits take them; what a material emits is not in them."""
+    every = {"plain diffuse": Diffuse(emission=(0.0, 0.0, 0.0)), **PUBLISHED}
+    return {name: material.model_dump(exclude={"emission"}) for name, material in every.items()}
+
+
+def material_details(stage: Stage, edits: Edits, method: str) -> list[MaterialDetail]:
+    """The materials under the edits, and how the method models those that something is made of."""
+    scene = stage.with_materials(edits.materials)
+    product = stage.product(stage.camera(edits), method, edits.materials)
+    fits = {fit.name: asdict(fit) for fit in product.fits} if product is not None else {}
+    return [
+        MaterialDetail(**{"name": name, **fits.get(name, {})}, description=material.model_dump())
+        for name, material in zip(scene.material_names, scene.materials, strict=True)
+    ]
+
+
+def map_thumbnail(stage: Stage, edits: Edits) -> NDArray[np.uint8]:
+    """A small picture of the map under edits that say where it is; NotFound where there is none."""
+    scene = stage.scene()
+    environment = edited_environment(scene.environment, edits.environment, Path(scene.folder))
+    if environment is None:
+        raise NotFound("the scene has no environment")
+    return thumbnail(environment)
