@@ -9,9 +9,16 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
+from matplotlib.ticker import NullLocator
 
-from engine.measure.chart import COLOURS, GREY, MARKERS, machine_caption, write_figure
+from engine.measure.chart import (
+    GREY,
+    line_style,
+    machine_caption,
+    plain_numbers,
+    quiet,
+    write_figure,
+)
 from engine.measure.document import finite, point_document, provenance
 from engine.measure.growth import Grown
 from engine.measure.machine import Machine
@@ -84,24 +91,11 @@ TITLE = "direct_to_indirect on {scene}, {width} x {height}"
 def _draw_line(axes: Axes, size: list[float], cost: list[float], number: int) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.plot(
-        size,
-        cost,
-        color=COLOURS[number % len(COLOURS)],
-        marker=MARKERS[number % len(MARKERS)],
-        markersize=5,
-        linewidth=1.4,
-        markeredgecolor="white",
-        markeredgewidth=0.7,
-    )
+    axes.plot(size, cost, **line_style(number))
     axes.set_xticks(size, [_short(value) for value in size], fontsize=7)
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.grid(which="major", color="#e4e4e4", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
+    plain_numbers(axes.yaxis)
+    quiet(axes)
     power = growth_power(size, cost)
     if power is not None:
         axes.set_title(f"{power:+.2f}", loc="right", fontsize=8, color=GREY, pad=2)

@@ -8,23 +8,22 @@ seen against references of the path tracer, which the store keeps.
 from __future__ import annotations
 
 import dataclasses
-import tempfile
 import time
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from engine.errors import InputError, NotFound
 from engine.measure.edges import scene_edges
+from engine.measure.fresh import fresh
 from engine.measure.metrics import all_metrics, resolution
 from engine.measure.points import Point, Sweep
 from engine.measure.probes import held_out_edits, held_out_turns, nudged
 from engine.measure.settings import settings_from
-from engine.measure.timing import Timing, stopwatch
+from engine.measure.timing import Timing
 from engine.measure.truth import Truth, truth
-from engine.methods import METHODS, prepare
+from engine.methods import METHODS
 from engine.methods.base import Frame, Product, Progress, silent
 from engine.scene.edits import Edits
 from engine.scene.scene import Scene
@@ -147,16 +146,8 @@ def measure(
 
     kept (h, w) bool are the pixels that count.
     """
-    with tempfile.TemporaryDirectory(prefix="relight-sweep-") as folder:
-        product: Product | None = None
-
-        def make() -> None:
-            nonlocal product
-            product = prepare(scene, method, settings, store=Store(Path(folder)), progress=progress)
-
-        seconds = stopwatch(make)
-        assert product is not None
-        frames, timing, parts = time_frames(product, edits, REPEATS, STEP * scene.diagonal)
+    with fresh(scene, method, settings, progress) as made:
+        frames, timing, parts = time_frames(made.product, edits, REPEATS, STEP * scene.diagonal)
         errors = [
             all_metrics(frame.image, truth.image, kept, truth.variance)
             for frame, truth in zip(frames, truths, strict=True)
@@ -169,8 +160,8 @@ def measure(
             errors=errors,
             frame=timing,
             parts=parts,
-            bytes=product.bytes,
-            precompute=seconds,
+            bytes=made.product.bytes,
+            precompute=made.seconds,
             warnings=sorted({w.message for frame in frames for w in frame.warnings}),
         )
 
