@@ -6,7 +6,6 @@ words beside the lines in place of a legend.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from engine.measure.document import write_json
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
@@ -32,13 +33,12 @@ def write_chart(document: dict[str, Any], folder: Path) -> list[Path]:
 
 def write_figure(figure: Figure, document: dict[str, Any], folder: Path, name: str) -> list[Path]:
     """Write a figure as SVG and PNG, and the numbers behind it as JSON; returns their paths."""
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / f"{name}.{kind}" for kind in ("svg", "png", "json")]
+    numbers = write_json(document, folder, name)
+    paths = [folder / f"{name}.svg", folder / f"{name}.png", numbers]
     # A fixed salt and no date: the same numbers give the same file.
     with matplotlib.rc_context({"svg.hashsalt": "relight", "svg.fonttype": "none"}):
         figure.savefig(paths[0], metadata={"Date": None})
     figure.savefig(paths[1], dpi=200, metadata={"Software": None})
-    paths[2].write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n")
     return paths
 
 

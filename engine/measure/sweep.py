@@ -51,6 +51,7 @@ SWEEPS: dict[str, dict[str, tuple[Any, ...]]] = {
 """Per method: the settings to sweep and their values."""
 
 REPEATS = 9
+NEW_VIEW = "new view"  # a part of `Point.parts`
 STEP = 1e-3  # of the scene's size
 REFERENCE_ERROR = 0.05  # the noise is taken out again, see `engine.measure.metrics.relative_l2`
 
@@ -141,22 +142,30 @@ def measure(
     truths: list[Truth],
     kept: np.ndarray,
     progress: Progress,
+    views: Sequence[Edits] = (),
 ) -> Point:
     """A fresh precompute: its time and size, and its frames of the edits against their truths.
 
-    kept (h, w) bool are the pixels that count.
+    kept (h, w) bool are the pixels that count. Without truths there are no errors. Of frames of
+    which each has another one of the views, the median time is added to the parts.
     """
     with fresh(scene, method, settings, progress) as made:
         frames, timing, parts = time_frames(made.product, edits, REPEATS, STEP * scene.diagonal)
         errors = [
             all_metrics(frame.image, truth.image, kept, truth.variance)
-            for frame, truth in zip(frames, truths, strict=True)
+            for frame, truth in zip(frames, truths, strict=bool(truths))
         ]
+        if views:
+            _, viewing, _ = time_frames(made.product, views, REPEATS, STEP * scene.diagonal)
+            parts[NEW_VIEW] = viewing.median
         return Point(
             method=method,
             knob=knob,
             settings=dataclasses.asdict(settings),
-            error={name: float(np.mean([e[name] for e in errors])) for name in errors[0]},
+            error={
+                name: float(np.mean([e[name] for e in errors]))
+                for name in (errors[0] if errors else ())
+            },
             errors=errors,
             frame=timing,
             parts=parts,

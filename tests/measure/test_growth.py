@@ -21,7 +21,7 @@ from engine.reference import render
 from engine.store import Store
 
 
-@pytest.mark.parametrize("triangles", SCENES["triangles"])
+@pytest.mark.parametrize("triangles", SCENES["direct_to_indirect"]["triangles"])
 def test_balls_bring_a_scene_to_its_triangles(triangles: float) -> None:
     """To within a tenth, by balls of which all are the same."""
     box = cornell(16)
