@@ -25,17 +25,17 @@ from engine.measure.edges import scene_edges, seen_objects
 from engine.measure.fresh import fresh
 from engine.measure.machine import this_machine
 from engine.measure.metrics import relative_l2, resolution
-from engine.measure.stage import MATERIALS, ball, stage
+from engine.measure.stage import MATERIALS, Thing, ball, stage
 from engine.measure.sweep import REFERENCE_ERROR, variants
 from engine.measure.truth import Truth, truth
 from engine.methods.base import Progress, silent
 from engine.scene.edits import Edits
-from engine.scene.part import Part
 from engine.scene.scene import Scene
 from engine.store import Store
 
 METHOD = "glossy_prt"
 MAPS = (".exr", ".hdr")
+SIZE, CUTS, RINGS = (128, 128), 96, 64
 
 
 @dataclass(frozen=True)
@@ -70,23 +70,29 @@ class Pixels:
     parts: dict[str, NDArray[np.bool_]]
 
 
-def environments_in(folder: Path) -> list[str]:
-    """Names of the environment maps in a folder; InputError where there is none."""
-    found = sorted(p.name for p in folder.glob("*") if p.suffix.lower() in MAPS)
+BUILT_IN: dict[str, Any] = {"studio": "studio", "sky": {"sun_direction": (0.6, -0.7, -0.4)}}
+"""Environments where no folder of maps is given."""
+
+
+def environments_in(folder: Path | None) -> dict[str, Edits]:
+    """The maps of a folder as edits by name; InputError where there is none."""
+    if folder is None:
+        return {name: Edits(environment={"map": made}) for name, made in BUILT_IN.items()}
+    found = sorted(p for p in folder.glob("*") if p.suffix.lower() in MAPS)
     if not found:
-        raise InputError(f"no {' or '.join(MAPS)} in it", field="environments", file=str(folder))
-    return found
+        raise InputError(f"there is no map of type {' or '.join(MAPS)}", file=str(folder))
+    return {path.stem: Edits(environment={"map": path.name}) for path in found}
 
 
 def study(
-    part: Part,
+    thing: Thing,
     environments: Mapping[str, Edits],
-    size: tuple[int, int],
+    size: tuple[int, int] = SIZE,
     *,
     folder: Path = Path(),
     materials: Mapping[str, Material] = MATERIALS,
-    cuts: int = 96,
-    rings: int = 64,
+    cuts: int = CUTS,
+    rings: int = RINGS,
     fixed: Mapping[str, Any] | None = None,
     knobs: Mapping[str, Sequence[Any]] | None = None,
     reference_error: float = REFERENCE_ERROR,
@@ -95,7 +101,7 @@ def study(
 ) -> dict[str, Any]:
     """All points as JSON.
 
-    part             the object that stands on the floor
+    thing            the object that stands on the floor
     environments     edits by name, whose maps lie in `folder`
     size             width and height of the pictures
     cuts, rings      of the floor along a side, and of the ball from pole to pole
@@ -111,7 +117,7 @@ def study(
     for material_number, (name, material) in enumerate(materials.items()):
         progress("materials", material_number, len(materials))
         for transport_name, transport in TRANSPORTS.items():
-            shape, floor = (ball(rings), None) if transport.alone else (part, cuts)
+            shape, floor = (ball(rings), None) if transport.alone else (thing, cuts)
             scene = stage(shape, material, size, cuts=floor, folder=folder)
             vertices[scene.name] = len(scene.geometry.positions)
             pixels = counted(scene)

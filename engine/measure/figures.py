@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.brdf.base import Material
-from engine.errors import InputError
 from engine.light.environment import Environment, EnvironmentDescription
 from engine.light.maps import load_environment
 from engine.measure.accuracy import METHOD, counted, error
@@ -25,19 +24,19 @@ from engine.measure.fresh import fresh
 from engine.measure.machine import this_machine
 from engine.measure.metrics import auto_exposure
 from engine.measure.settings import settings_from
-from engine.measure.stage import MATERIALS, stage
+from engine.measure.stage import MATERIALS, Thing, stage
 from engine.measure.truth import Truth, truth
 from engine.methods import METHODS
 from engine.methods.base import Progress, silent
 from engine.numerics import cube_map
 from engine.reference import render
 from engine.scene.edits import Edits
-from engine.scene.part import Part
 from engine.scene.scene import Scene
 from engine.store import Store
 
 FULL = 0.3  # part of the reference's mean at which the colours of a difference are full
 FULL_OF_BOUNCE = 0.1  # the same of bounced light alone
+SIZE, CUTS, REFERENCE_ERROR = (256, 256), 128, 0.02
 HEIGHT = 256  # of the maps that are made here
 SUN = ((-0.65, 0.62, -0.35), 1.5, (1.0, 0.95, 0.85), 0.04)
 LAMP = ((-0.35, 0.62, 0.7), 6.0, (1.0, 0.62, 0.28), 0.0)
@@ -49,7 +48,7 @@ the mean of the light's."""
 class Shoot:
     """What all figures are made with.
 
-    part             the object
+    thing            the object
     size             width and height of a picture
     cuts             of the floor along both sides
     fixed            settings that hold where a figure does not set them
@@ -57,18 +56,18 @@ class Shoot:
     store            where they are kept
     """
 
-    part: Part
-    size: tuple[int, int] = (256, 256)
-    cuts: int = 128
+    thing: Thing
+    size: tuple[int, int] = SIZE
+    cuts: int = CUTS
     fixed: Mapping[str, Any] = field(default_factory=dict)
-    reference_error: float = 0.02
+    reference_error: float = REFERENCE_ERROR
     store: Store = field(default_factory=Store)
     progress: Progress = silent
 
     def scene(self, material: Material, sky: Environment, *, alone: bool = False) -> Scene:
         """The object of a material under a sky."""
         cuts = None if alone else self.cuts
-        return stage(self.part, material, self.size, cuts=cuts, environment=sky)
+        return stage(self.thing, material, self.size, cuts=cuts, environment=sky)
 
     def image(self, scene: Scene, **settings: Any) -> NDArray[np.float32]:
         """The method's picture of a scene at some settings."""
@@ -92,21 +91,14 @@ class Shoot:
                 "figure": figure,
                 "width": self.size[0],
                 "height": self.size[1],
-                "vertices": len(self.part.positions),
+                "object": self.thing.name,
+                "vertices": len(self.thing.part.positions),
                 "settings": asdict(settings_from(METHODS[METHOD].settings, self.fixed)),
                 "reference_error": self.reference_error,
                 "seed": 0,  # of the references; nothing else is drawn
                 "pictures": pictures,
             }
         )
-
-
-def make(figure: int, shoot: Shoot) -> Sheet:
-    """A figure of the paper by its number; InputError for one that is not made here."""
-    if figure not in FIGURES:
-        known = ", ".join(map(str, FIGURES))
-        raise InputError(f"{figure} is not made; there are {known}", field="figure")
-    return FIGURES[figure](shoot)
 
 
 def spot_sky(
@@ -221,27 +213,28 @@ def gathering(shoot: Shoot) -> Sheet:
     """Figure 11: light of one bounce alone, by texels of the cube map that gathers it."""
     sky = load_environment(EnvironmentDescription(map="studio"), Path())
     scene = shoot.scene(MATERIALS["diffuse"], sky)
-    found = render(
-        scene, error=0.25 * shoot.reference_error, max_bounces=2, progress=shoot.progress
-    )
+    found = render(scene, error=shoot.reference_error / 2, max_bounces=2, progress=shoot.progress)
     reference = Truth(found.indirect, found.indirect_variance, found.error, 0.0, found.samples)
     pixels, direct = counted(scene).whole, shoot.image(scene, bounces=0)
     exposure = auto_exposure(reference.image)
+    images = {
+        texels: shoot.image(scene, bounces=1, gather_texels=texels, remaining=0.0) - direct
+        for texels in (8, 16, 32, 64)
+    }
     shown, off, numbers = [], [], []
-    for texels in (8, 16, 32, 64):
-        image = shoot.image(scene, bounces=1, gather_texels=texels, remaining=0.0) - direct
+    for texels, image in images.items():
         relative = error(image, reference, pixels)
         shown.append(picture(image, exposure, f"6 x {texels} x {texels}"))
-        text = f"{relative:.1%} of the bounce off"
-        off.append(difference(image, reference.image, pixels, FULL_OF_BOUNCE, text))
+        text = f"{relative:.1%} off the path tracer"
+        off.append(difference(image, images[64], pixels, FULL_OF_BOUNCE, text))
         numbers.append({"gather_texels": texels, "relative_l2": relative})
     shown.append(picture(reference.image, exposure, "path tracer"))
     return Sheet(
         "Resolution of gathering (the paper's figure 11)",
         "What one bounce adds to a matt object on a matt floor in the studio, alone and bright. "
-        f"Below: red is too bright, blue too dark,\nfull colour at {FULL_OF_BOUNCE:.0%} of its "
-        "mean: too few texels give bands.",
-        [Row("bounced light", shown), Row("off by", [*off, None])],
+        "Below, against 6 x 64 x 64: red is too bright, blue too dark,\nfull colour at "
+        f"{FULL_OF_BOUNCE:.0%} of its mean: too few texels give bands.",
+        [Row("bounced light", shown), Row("off 6 x 64 x 64 by", [*off, None])],
         shoot.document(11, numbers),
     )
 
@@ -252,3 +245,4 @@ FIGURES: dict[int, Callable[[Shoot], Sheet]] = {
     10: wavelets,
     11: gathering,
 }
+"""By their numbers in the paper."""

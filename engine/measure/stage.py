@@ -7,6 +7,7 @@ place.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -41,7 +42,15 @@ WAY = np.array([0.3, 0.75, 0.78])  # from the object's middle to the camera
 DISTANCE, FOV_Y_DEGREES = 3.6, 25.0
 
 
-def read_object(path: str) -> Part:
+@dataclass(frozen=True)
+class Thing:
+    """An object by its name."""
+
+    name: str
+    part: Part
+
+
+def read_thing(path: str) -> Thing:
     """The triangles of a mesh file as one object, smooth and without its materials.
 
     Raises SceneError, naming the file, where it cannot be read.
@@ -55,31 +64,31 @@ def read_object(path: str) -> Part:
         uvs.append(part.uvs)
         count += len(part.positions)
     mapped = [each for each in uvs if each is not None]
-    return smooth(
-        Part(
-            np.concatenate(positions),
-            np.concatenate(triangles),
-            uvs=np.concatenate(mapped) if len(mapped) == len(uvs) else None,
-        )
+    joined = Part(
+        np.concatenate(positions),
+        np.concatenate(triangles),
+        uvs=np.concatenate(mapped) if len(mapped) == len(uvs) else None,
     )
+    return Thing(Path(path).stem, smooth(joined))
 
 
-def knot(segments: int = 320, sides: int = 32) -> Part:
+def knot(segments: int = 320, sides: int = 32) -> Thing:
     """A torus knot of about `segments` times `sides` vertices, standing upright."""
     part = make(TorusKnot(shape="torus_knot", ring=0.21, tube=0.11, segments=segments, sides=sides))
     upright = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
     assert part.normals is not None
-    return Part(part.positions @ upright, part.triangles, part.normals @ upright, part.uvs)
+    turned = Part(part.positions @ upright, part.triangles, part.normals @ upright, part.uvs)
+    return Thing("knot", turned)
 
 
-def ball(rings: int = 64) -> Part:
+def ball(rings: int = 64) -> Thing:
     """A ball of about 2 `rings`² vertices, without texture coordinates: they meet at the poles."""
     part = make(Sphere(shape="sphere", rings=rings))
-    return Part(part.positions, part.triangles, part.normals)
+    return Thing("ball", Part(part.positions, part.triangles, part.normals))
 
 
 def stage(
-    part: Part,
+    thing: Thing,
     material: Material,
     size: tuple[int, int],
     *,
@@ -93,6 +102,7 @@ def stage(
     cuts    of the floor along both sides; None for no floor
     folder  where the environments that edits name are looked for
     """
+    part = thing.part
     placed, names = [Placed(part, _standing(part), OBJECT, OBJECT)], ["object"]
     if cuts is not None:
         shape = Rectangle(shape="rectangle", size=(FLOOR_SIZE, FLOOR_SIZE), segments=(cuts, cuts))
@@ -102,7 +112,7 @@ def stage(
     geometry, _ = assemble(placed, names)
     materials = (material, FLOOR)[: len(names)]
     return Scene(
-        name="an object on a floor" if cuts else "an object",
+        name=thing.name if cuts is None else f"{thing.name} on a floor",
         camera=_camera(geometry.positions[geometry.triangles[geometry.object == OBJECT]], size),
         geometry=geometry,
         material_table=material_table(materials, [{} for _ in names]),

@@ -19,12 +19,11 @@ from engine.measure.fresh import fresh
 from engine.measure.machine import this_machine
 from engine.measure.probes import held_out_turns, held_out_views
 from engine.measure.settings import settings_from
-from engine.measure.stage import ball, stage
+from engine.measure.stage import Thing, ball, stage
 from engine.measure.sweep import REPEATS, STEP, time_frames
 from engine.methods import METHODS
 from engine.methods.base import Product, Progress, silent
 from engine.scene.edits import Edits
-from engine.scene.part import Part
 from engine.scene.scene import Scene
 
 METHOD = "glossy_prt"
@@ -55,7 +54,7 @@ PAPER = {
 
 
 def profiles(
-    objects: Mapping[str, Part],
+    things: Sequence[Thing],
     *,
     size: tuple[int, int] = SIZE,
     cuts: int = CUTS,
@@ -73,20 +72,20 @@ def profiles(
     # What is compiled is compiled before the clock runs.
     _profile(_scene(ball(4), (16, 16), 4), 1, fixed or {}, seed, silent)
     found = []
-    for number, (name, part) in enumerate(objects.items()):
-        progress("objects", number, len(objects))
-        scene = _scene(part, size, cuts)
+    for number, thing in enumerate(things):
+        progress("objects", number, len(things))
+        scene = _scene(thing, size, cuts)
         own = scene.geometry.object == 0
         found.append(
             {
-                "name": name,
-                "vertices": len(part.positions),
+                "name": thing.name,
+                "vertices": len(thing.part.positions),
                 "triangles": int(own.sum()),
-                "floor_vertices": len(scene.geometry.positions) - len(part.positions),
+                "floor_vertices": len(scene.geometry.positions) - len(thing.part.positions),
                 "terms": {str(k): _profile(scene, k, fixed or {}, seed, progress) for k in TERMS},
             }
         )
-    progress("objects", len(objects), len(objects))
+    progress("objects", len(things), len(things))
     return finite(
         {
             **provenance(),
@@ -102,9 +101,9 @@ def profiles(
     )
 
 
-def _scene(part: Part, size: tuple[int, int], cuts: int) -> Scene:
+def _scene(thing: Thing, size: tuple[int, int], cuts: int) -> Scene:
     studio = load_environment(EnvironmentDescription(map="studio"), Path())
-    return stage(part, BRUSHED, size, cuts=cuts, environment=studio)
+    return stage(thing, BRUSHED, size, cuts=cuts, environment=studio)
 
 
 def _profile(
