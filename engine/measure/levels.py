@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.scene.normals import with_normals
 from engine.scene.part import Part
 
 CLOSE = 0.01  # of the vertices asked for: near enough
@@ -18,19 +19,8 @@ TRIES = 40
 
 
 def smooth(part: Part) -> Part:
-    """The part with normals that are the same at every vertex of a place, without creases.
-
-    The mean of the triangles around, each weighed by its area.
-    """
-    _, place = np.unique(part.positions, axis=0, return_inverse=True)
-    corners = part.positions[part.triangles]
-    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    place = place.reshape(-1)
-    sums = np.zeros((len(part.positions), 3))
-    np.add.at(sums, place[part.triangles], area[:, None, :])
-    length = np.linalg.norm(sums, axis=1, keepdims=True)
-    normals = np.where(length > 0, sums / np.where(length > 0, length, 1), [0.0, 1.0, 0.0])
-    return Part(part.positions, part.triangles, normals[place], part.uvs)
+    """The part with normals that are the same at all its vertices of a place, without creases."""
+    return with_normals(part, crease_degrees=180.0)
 
 
 def with_vertices(part: Part, count: int) -> Part:
@@ -65,9 +55,9 @@ def clustered(
     # Bisect the size of the cells.
     for _ in range(TRIES):
         size = (small + large) / 2
-        cells, cell = np.unique(
-            np.floor((positions - low) / size).astype(np.int64), axis=0, return_inverse=True
-        )
+        # What reaches farthest lies in the middle of a cell, not in a sliver of one.
+        numbers = np.rint((positions - low) / size).astype(np.int64)
+        cells, cell = np.unique(numbers, axis=0, return_inverse=True)
         if abs(len(cells) - count) <= CLOSE * count:
             break
         small, large = (size, large) if len(cells) > count else (small, size)
