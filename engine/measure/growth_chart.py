@@ -83,13 +83,13 @@ def draw(document: dict[str, Any]) -> Figure:
     figure = Figure(figsize=(2.3 * len(lines) + 0.8, 8.4), layout="constrained")
     grid = figure.subplots(len(costs), len(lines), sharex="col", sharey="row", squeeze=False)
     for row, (cost, of) in zip(grid, costs.items(), strict=True):
-        for number, (axes, (name, line)) in enumerate(zip(row, lines.items(), strict=True)):
+        for number, (axes, line) in enumerate(zip(row, lines.values(), strict=True)):
             size = [p["size"] for p in line]
             _draw_line(axes, size, [of(p) for p in line], number)
             if axes is row[0]:
                 axes.set_ylabel(cost)
-            if row is grid[-1]:
-                axes.set_xlabel(name.replace("_", " "))
+    for axes, name in zip(grid[-1], lines, strict=True):
+        axes.set_xlabel(name.replace("_", " "))
     title = f"how cost grows: {TITLE.format(**document)}"
     figure.suptitle(title, fontsize=11, x=0.01, ha="left")
     caption = f"the number at a panel is the power with which it grows; {machine_caption(document)}"
