@@ -21,6 +21,8 @@ from engine.scene.open import open_scene
 from engine.scene.scene import Scene
 from engine.terminal import warn
 
+DEFAULT_METHOD = "direct_to_indirect"
+
 
 def sized_scene(source: str, size: str | None) -> Scene:
     """The scene of a name or file, with WxH pixels in place of its own; warnings are printed."""
@@ -28,11 +30,17 @@ def sized_scene(source: str, size: str | None) -> Scene:
     warn(scene.diagnoses)
     if size is None:
         return scene
+    width, height = picture_size(size)
+    return scene.with_camera(edited_camera(scene.camera, {"width": width, "height": height}))
+
+
+def picture_size(size: str) -> tuple[int, int]:
+    """(640, 480) of 640x480."""
     numbers = re.fullmatch(r"(\d+)x(\d+)", size)
     if numbers is None:
         raise InputError(f"{size!r} is not of the form 640x480", field="size")
     width, height = map(int, numbers.groups())
-    return scene.with_camera(edited_camera(scene.camera, {"width": width, "height": height}))
+    return width, height
 
 
 def materials_of(source: str | None) -> dict[str, Material]:

@@ -10,14 +10,13 @@ import dataclasses
 import json
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from engine.arguments import (
-    knobs,
+    DEFAULT_METHOD,
     known_method,
-    materials_of,
     needs_extra,
     read_edits,
     settings_of,
@@ -52,7 +51,6 @@ SetOption = Annotated[
 SizeOption = Annotated[
     str | None, typer.Option("--size", metavar="WxH", help="pixels, in place of the scene's own")
 ]
-DEFAULT_METHOD = "direct_to_indirect"
 
 
 @app.command()
@@ -146,16 +144,12 @@ def render(
 
 @app.command()
 def chart(
-    to: Annotated[Path, typer.Option("--out", help="folder for chart.svg, .png and .json")],
-    scene: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="SCENE", help="a built-in scene or a scene file", show_default=False
-        ),
+    to: Annotated[Path, typer.Option("--out", help="folder for the chart and its numbers")],
+    scenes: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[SCENE]...", help="a built-in scene, a scene or a mesh file"),
     ] = None,
-    method: Annotated[
-        list[str] | None, typer.Option("--method", help="may be given more than once")
-    ] = None,
+    method: Annotated[list[str] | None, typer.Option(help="may be given more than once")] = None,
     sweep: Annotated[
         list[str] | None,
         typer.Option("--sweep", metavar="KEY=A,B,...", help="values in place of the usual sweep"),
@@ -163,50 +157,69 @@ def chart(
     edits: Annotated[int, typer.Option(min=1, help="how many unseen light edits to judge on")] = 4,
     seed: Annotated[int, typer.Option(min=0, help="draws the light edits")] = 1,
     growth: Annotated[
-        bool, typer.Option("--growth", help="how cost grows with scene and settings instead")
+        bool, typer.Option("--growth", help="instead: how cost grows with scene and settings")
     ] = False,
     factorisation: Annotated[
         bool,
         typer.Option(
             "--factorisation",
-            help="how well K terms fit the scene's BRDFs, or the paper's without one, instead",
+            help="instead: how well K terms fit the scene's BRDFs, or the paper's without one",
         ),
     ] = False,
+    accuracy: Annotated[
+        bool,
+        typer.Option(
+            "--accuracy", help="instead: glossy_prt by material, environment, bounces and setting"
+        ),
+    ] = False,
+    environments: Annotated[
+        Path | None, typer.Option(help="folder of the maps that --accuracy takes")
+    ] = None,
+    tables: Annotated[
+        bool, typer.Option("--tables", help="instead: what mesh files cost glossy_prt")
+    ] = False,
+    figure: Annotated[
+        list[int] | None,
+        typer.Option(help="instead: figure 6, 8, 10 or 11 of glossy_prt's paper, with references"),
+    ] = None,
+    floor: Annotated[
+        int | None, typer.Option(min=1, max=2048, help="cuts of the floor below a mesh file")
+    ] = None,
     reference_error: Annotated[
-        float, typer.Option(min=1e-4, max=1, help="relative L2 error of the references")
-    ] = 0.05,
+        float | None,
+        typer.Option(min=1e-4, max=1, help="relative L2 error of references; 0.05, figures 0.02"),
+    ] = None,
     set_: SetOption = None,
     size: SizeOption = None,
 ) -> None:
-    """Chart a method's speed against its accuracy over its settings, or how its cost grows."""
+    """Chart a method's speed against its accuracy over its settings, or something else instead.
+
+    --accuracy, --tables and --figure put the object of a mesh file, or a knot, on a matt floor.
+    """
     with needs_extra("chart"):
-        from engine.measure import factorisation_chart, growth_chart
-        from engine.measure.chart import write_chart
-        from engine.measure.document import sweep_document
-        from engine.measure.growth import growth as run_growth
-        from engine.measure.machine import this_machine
-        from engine.measure.sweep import sweep as run_sweep
-    if factorisation:
-        with progress_bars() as progress:
-            paths = factorisation_chart.write(materials_of(scene), to, progress)
-        for path in paths:
-            out.print(str(path))
-        return
-    if scene is None:
-        raise InputError("a scene is needed, for all charts but --factorisation", field="SCENE")
-    opened = sized_scene(scene, size)
-    methods = [known_method(name) for name in method or [DEFAULT_METHOD]]
-    judged: dict[str, Any] = {"edits": edits, "seed": seed, "reference_error": reference_error}
-    fixed, values = parse_assignments(set_ or ()), knobs(sweep)
+        from engine import charts
+    others = {
+        "growth": growth,
+        "factorisation": factorisation,
+        "accuracy": accuracy,
+        "tables": tables,
+        "figure": figure,
+    }
+    asked = charts.Asked(
+        scenes=scenes or [],
+        methods=method or [],
+        set=set_ or [],
+        sweep=sweep,
+        size=size,
+        edits=edits,
+        seed=seed,
+        reference_error=reference_error,
+        floor=floor,
+        environments=environments,
+        figures=figure or [],
+    )
     with progress_bars() as progress:
-        if growth:
-            grown = run_growth(opened, fixed=fixed, axes=values, progress=progress, **judged)
-            paths = growth_chart.write(opened, grown, this_machine(), to)
-        else:
-            result = run_sweep(
-                opened, methods, fixed=fixed, knobs=values, progress=progress, **judged
-            )
-            paths = write_chart(sweep_document(result, this_machine()), to)
+        paths = charts.write([k for k in others if others[k]], asked, to, progress)
     for path in paths:
         out.print(str(path))
 

@@ -30,6 +30,7 @@ ORDER: list[set[str]] = [
     {"engine.measure"},
     {"engine.terminal"},
     {"engine.arguments"},
+    {"engine.charts"},
     {"engine.cli", "server"},
 ]
 

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
-import tempfile
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from engine.backend.cpu.product import multiply
 from engine.measure.document import finite, provenance
+from engine.measure.fresh import fresh
 from engine.measure.machine import this_machine
 from engine.measure.probes import held_out_views
 from engine.measure.settings import settings_from
 from engine.measure.sweep import STEP, judged_on, time_frames
-from engine.measure.timing import PhaseClock, repeat, stopwatch
-from engine.methods import METHODS, prepare
+from engine.measure.timing import repeat
+from engine.methods import METHODS
 from engine.methods.base import Progress, silent
 from engine.methods.direct_to_indirect import Transfer
 from engine.methods.fixed_view.tiles import pixel_tiles, run_tiles
@@ -25,7 +24,6 @@ from engine.methods.glossy_prt import Prt
 from engine.reference import render
 from engine.scene.edits import Edits, apply
 from engine.scene.scene import Scene
-from engine.store import Store
 
 SCENES = ("cornell-box", "room")
 METHOD = "direct_to_indirect"
@@ -94,16 +92,8 @@ def _bench_scene(
     against_rivals: bool,
 ) -> dict[str, Any]:
     scene, edits = judged_on(scene, [method], EDITS, seed=1)
-    with tempfile.TemporaryDirectory(prefix="relight-bench-") as folder:
-        clock = PhaseClock(progress)
-        product: Any = None
-
-        def make() -> None:
-            nonlocal product
-            product = prepare(scene, method, settings, store=Store(Path(folder)), progress=clock)
-
-        precompute = stopwatch(make)
-        clock.stop()
+    with fresh(scene, method, settings, progress) as made:
+        product: Any = made.product
         _, timing, parts = time_frames(product, edits, REPEATS, STEP * scene.diagonal)
         by_light = _by_light(edits, timing.seconds)
         if "camera" in METHODS[method].edits:
@@ -129,8 +119,8 @@ def _bench_scene(
         "triangles": len(scene.geometry.triangles),
         "method": method,
         "settings": dataclasses.asdict(settings),
-        "precompute_seconds": precompute,
-        "phase_seconds": clock.seconds,
+        "precompute_seconds": made.seconds,
+        "phase_seconds": made.phases,
         "bytes": product.bytes,
         "frame_seconds": {
             "median": timing.median,
@@ -147,7 +137,7 @@ def _bench_scene(
         "ratios": {
             "product_bandwidth": rate / bandwidth,
             "reference_over_frame": brute_force / timing.median,
-            "precompute_over_reference": precompute / brute_force,
+            "precompute_over_reference": made.seconds / brute_force,
             **(against["rivals"]["ratios"] if against else {}),
         },
         **against,

@@ -6,7 +6,6 @@ words beside the lines in place of a legend.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -14,8 +13,11 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from engine.measure.document import write_json
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
@@ -31,13 +33,12 @@ def write_chart(document: dict[str, Any], folder: Path) -> list[Path]:
 
 def write_figure(figure: Figure, document: dict[str, Any], folder: Path, name: str) -> list[Path]:
     """Write a figure as SVG and PNG, and the numbers behind it as JSON; returns their paths."""
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / f"{name}.{kind}" for kind in ("svg", "png", "json")]
+    numbers = write_json(document, folder, name)
+    paths = [folder / f"{name}.svg", folder / f"{name}.png", numbers]
     # A fixed salt and no date: the same numbers give the same file.
     with matplotlib.rc_context({"svg.hashsalt": "relight", "svg.fonttype": "none"}):
         figure.savefig(paths[0], metadata={"Date": None})
     figure.savefig(paths[1], dpi=200, metadata={"Software": None})
-    paths[2].write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n")
     return paths
 
 
@@ -53,16 +54,7 @@ def draw(document: dict[str, Any]) -> Figure:
     for number, ((method, knob), points) in enumerate(lines.items()):
         colour = COLOURS[number % len(COLOURS)]
         x, y = [_ms(p) for p in points], [_percent(p, document) for p in points]
-        axes.plot(
-            x,
-            y,
-            color=colour,
-            marker=MARKERS[number % len(MARKERS)],
-            markersize=6,
-            linewidth=1.4,
-            markeredgecolor="white",
-            markeredgewidth=0.8,
-        )
+        axes.plot(x, y, **line_style(number, size=6))
         name = knob if len({m for m, _ in lines}) == 1 else f"{method} {knob}"
         # The line's name stands at its largest value that is not the default.
         named = max((k for k, p in enumerate(points) if p["knob"]), default=0)
@@ -103,16 +95,38 @@ def _set_up_axes(axes: Axes, document: dict[str, Any]) -> None:
     axes.set_xlabel("edit to linear frame, median (ms)")
     axes.set_ylabel("relative L² error without edges (%)")
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_formatter(NullFormatter())
-    axes.grid(which="major", color="#e4e4e4", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
+        plain_numbers(axis)
+    quiet(axes)
     x = [_ms(p) for p in document["points"]]
     y = [_percent(p, document) for p in document["points"]]
     axes.set_xlim(min(x) / 1.35, max(x) * 1.6)
     axes.set_ylim(min([*y, 100 * _floor(document)]) / 1.3, max(y) * 1.3)
+
+
+def plain_numbers(axis: Axis) -> None:
+    """Labels a logarithmic axis with 1, 2, 5, 10, ... as they are."""
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def quiet(axes: Axes) -> None:
+    """A faint grid behind the lines, and no frame."""
+    axes.grid(which="major", color="#e4e4e4", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def line_style(number: int, size: float = 5.0) -> dict[str, Any]:
+    """Colour and marker of line `number`, as keywords of `Axes.plot`."""
+    return {
+        "color": COLOURS[number % len(COLOURS)],
+        "marker": MARKERS[number % len(MARKERS)],
+        "markersize": size,
+        "linewidth": 1.4,
+        "markeredgecolor": "white",
+        "markeredgewidth": 0.7,
+    }
 
 
 def _draw_front(axes: Axes, document: dict[str, Any]) -> None:

@@ -1,9 +1,11 @@
-"""Sweeps and benchmarks as JSON: every number with the settings, machine, date and commit."""
+"""What was measured as JSON, with settings, machine, date and commit; tables in Markdown."""
 
 from __future__ import annotations
 
+import json
 import math
 import subprocess
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -95,3 +97,17 @@ def finite(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
+
+
+def write_json(document: dict[str, Any], folder: Path, name: str) -> Path:
+    """Write a document into a folder, which is made where it is not there; returns its path."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{name}.json"
+    path.write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n")
+    return path
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], names: int = 1) -> list[str]:
+    """Lines of a Markdown table, whose first `names` columns hold words and the others numbers."""
+    rule = ["---"] * names + ["---:"] * (len(head) - names)
+    return [f"| {' | '.join(row)} |" for row in (head, rule, *rows)]

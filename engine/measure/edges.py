@@ -11,6 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.scene.rays import Hits
 from engine.scene.scene import Scene
 
 NORMAL_DEGREES = 20.0
@@ -53,12 +54,9 @@ def edge_mask(
 
 def scene_edges(scene: Scene) -> NDArray[np.bool_]:
     """The edge mask (h, w) of a scene from its camera, by one ray through every pixel's centre."""
-    camera, geometry = scene.camera, scene.geometry
-    y, x = np.mgrid[0 : camera.height, 0 : camera.width].reshape(2, -1) + 0.5
-    directions = camera.directions(x, y)
-    origins = np.broadcast_to(np.array(camera.position, np.float32), directions.shape)
-    hits = scene.rays.intersect(np.ascontiguousarray(origins), directions)
-    shape = (camera.height, camera.width)
+    geometry = scene.geometry
+    directions, hits = _centre_hits(scene)
+    shape = (scene.camera.height, scene.camera.width)
 
     # What each ray met; the background keeps zeros and the id -1.
     found = hits.triangle >= 0
@@ -69,9 +67,9 @@ def scene_edges(scene: Scene) -> NDArray[np.bool_]:
     # Towards the eye: a surface has two sides, and a thin one shows either.
     smooth *= np.where(np.sum(flat * directions[found], axis=1) > 0, -1, 1)[:, None]
 
-    position, normal = np.zeros((len(x), 3)), np.zeros((len(x), 3))
-    surface = np.full(len(x), -1, np.int64)
-    position[found] = origins[found] + hits.distance[found, None] * directions[found]
+    position, normal = np.zeros((len(found), 3)), np.zeros((len(found), 3))
+    surface = np.full(len(found), -1, np.int64)
+    position[found] = scene.camera.position + hits.distance[found, None] * directions[found]
     normal[found] = smooth
     materials = len(scene.material_names)
     surface[found] = geometry.object[triangle].astype(np.int64) * materials
@@ -80,8 +78,24 @@ def scene_edges(scene: Scene) -> NDArray[np.bool_]:
         position.reshape(*shape, 3),
         normal.reshape(*shape, 3),
         surface.reshape(shape),
-        camera.position,
+        scene.camera.position,
     )
+
+
+def seen_objects(scene: Scene) -> NDArray[np.int32]:
+    """(h, w): index of the object at every pixel's centre, -1 where the environment is seen."""
+    triangle = _centre_hits(scene)[1].triangle
+    seen = np.where(triangle < 0, -1, scene.geometry.object[np.maximum(triangle, 0)])
+    return seen.reshape(scene.camera.height, scene.camera.width).astype(np.int32)
+
+
+def _centre_hits(scene: Scene) -> tuple[NDArray[np.float32], Hits]:
+    """Directions (h w, 3) through the centres of pixels, and what rays along them meet."""
+    camera = scene.camera
+    y, x = np.mgrid[0 : camera.height, 0 : camera.width].reshape(2, -1) + 0.5
+    directions = camera.directions(x, y)
+    origins = np.tile(np.array(camera.position, np.float32), (len(directions), 1))
+    return directions, scene.rays.intersect(origins, directions)
 
 
 def _shading_normals(

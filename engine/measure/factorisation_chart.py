@@ -12,12 +12,12 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
+from matplotlib.ticker import NullLocator
 
 from engine.brdf.base import Material
 from engine.brdf.factorisation import TERMS, factor
 from engine.brdf.fit import PAIRS, albedo_kept, negative_share, rms_errors, uniform_pairs
-from engine.measure.chart import COLOURS, GREY, MARKERS, write_figure
+from engine.measure.chart import GREY, line_style, plain_numbers, quiet, write_figure
 from engine.measure.document import finite, provenance
 from engine.methods.base import Progress, silent
 
@@ -99,28 +99,13 @@ def _draw_material(axes: Axes, material: dict[str, Any]) -> None:
     for number, fit in enumerate(material["fits"]):
         k = [n for n in SHOWN if n <= len(fit["rms"])]
         rms = [fit["rms"][n - 1] for n in k]
-        colour = COLOURS[number % len(COLOURS)]
-        axes.plot(
-            k,
-            rms,
-            color=colour,
-            marker=MARKERS[number % len(MARKERS)],
-            markersize=4.5,
-            linewidth=1.3,
-            markeredgecolor="white",
-            markeredgewidth=0.6,
-            label=f"{fit['size']} x {fit['size']}",
-        )
+        axes.plot(k, rms, **line_style(number), label=f"{fit['size']} x {fit['size']}")
     axes.legend(fontsize=7, frameon=False, loc="lower left", title="texels", title_fontsize=7)
     axes.set_title(material["name"], fontsize=9, loc="left")
     axes.set_xlabel("terms K")
     axes.set_xticks(SHOWN, [str(n) for n in SHOWN], fontsize=8)
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    plain_numbers(axes.yaxis)
     low = min(min(fit["rms"]) for fit in material["fits"])
     axes.set_ylim(max(low, 1e-4 * material["rms_of_none"]) / 1.6, 1.25 * material["rms_of_none"])
-    axes.grid(which="major", color="#e4e4e4", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
+    quiet(axes)

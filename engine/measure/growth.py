@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from engine.errors import InputError
+from engine.measure import levels
 from engine.measure.edges import scene_edges
 from engine.measure.metrics import resolution
 from engine.measure.points import Point
-from engine.measure.probes import held_out_edits, many_lights
+from engine.measure.probes import held_out_edits, held_out_turns, held_out_views, many_lights
 from engine.measure.settings import settings_from
 from engine.measure.sweep import REFERENCE_ERROR, measure
 from engine.measure.truth import truth
@@ -25,6 +26,7 @@ from engine.methods import METHODS
 from engine.methods.base import Progress, silent
 from engine.scene.edits import Edits, edited_camera
 from engine.scene.geometry import Placed, assemble
+from engine.scene.part import Part
 from engine.scene.scene import Geometry, Scene
 from engine.scene.shapes import Sphere, make
 from engine.store import Store
@@ -34,26 +36,36 @@ BALLS = 5  # along each axis
 CLEAR = 3.0  # radii between the camera and the nearest ball
 
 
-SETTINGS: dict[str, tuple[float, ...]] = {
-    "gather_samples": (4096, 16384, 65536, 262144),
-    "coefficients": (25, 50, 100, 200, 400),
+SETTINGS: dict[str, dict[str, tuple[float, ...]]] = {
+    "direct_to_indirect": {
+        "gather_samples": (4096, 16384, 65536, 262144),
+        "coefficients": (25, 50, 100, 200, 400),
+    },
+    "glossy_prt": {
+        "terms": (1, 2, 4, 8, 16),
+        "coefficients": (32, 64, 128, 256, 512),
+    },
 }
-"""Settings of the method that grow, and their values."""
+"""Per method: its settings that grow, and their values."""
 
-SCENES: dict[str, tuple[float, ...]] = {
-    "view_samples": (1 / 16, 1 / 4, 1.0, 4.0),
-    "triangles": (10_000, 40_000, 160_000, 640_000, 2_000_000),
-    "lights": (1, 10, 100, 1000),
+SCENES: dict[str, dict[str, tuple[float, ...]]] = {
+    "direct_to_indirect": {
+        "view_samples": (1 / 16, 1 / 4, 1.0, 4.0),
+        "triangles": (10_000, 40_000, 160_000, 640_000, 2_000_000),
+        "lights": (1, 10, 100, 1000),
+    },
+    "glossy_prt": {"vertices": (5_000, 10_000, 20_000, 50_000, 100_000, 200_000)},
 }
-"""What grows of the scene; of view samples parts of the picture's own pixels."""
+"""Per method: what grows of the scene; of view samples parts of the picture's own pixels, vertices
+of its largest object."""
 
 
 @dataclass(frozen=True)
 class Grown:
     """One thing at one size.
 
-    size   what it came to: pixels, gather samples, coefficients, triangles or lights
-    floor  the smallest error that the references let one see
+    size   what it came to: pixels, settings' values, triangles, lights or vertices
+    floor  the smallest error that the references let one see; 0 without references
     point  as in a sweep; its knob is what grew
     """
 
@@ -65,6 +77,7 @@ class Grown:
 def growth(
     scene: Scene,
     *,
+    method: str = METHOD,
     fixed: Mapping[str, Any] | None = None,
     axes: Mapping[str, Sequence[float]] | None = None,
     edits: int = 2,
@@ -73,32 +86,42 @@ def growth(
     store: Store | None = None,
     progress: Progress = silent,
 ) -> list[Grown]:
-    """Measure every size of every axis; arguments as in `engine.measure.sweep.sweep`."""
-    fixed = fixed or {}
+    """Measure every size of every axis; arguments as in `engine.measure.sweep.sweep`.
+
+    A method that carries no lights is timed alone, for turns of the environment and for new views.
+    """
+    if method not in SETTINGS:
+        raise InputError(f"there is no such chart of {method}", field="method")
+    fixed, settings_of, scenes_of = fixed or {}, SETTINGS[method], SCENES[method]
     cases = [
         (axis, value)
-        for axis, values in ({**SCENES, **SETTINGS} if axes is None else axes).items()
+        for axis, values in ({**scenes_of, **settings_of} if axes is None else axes).items()
         for value in values
     ]
     for axis, _ in cases:
-        if axis not in SCENES and axis not in SETTINGS:
-            known = ", ".join([*SCENES, *SETTINGS])
+        if axis not in scenes_of and axis not in settings_of:
+            known = ", ".join([*scenes_of, *settings_of])
             raise InputError(f"{axis} is nothing that grows; there are {known}", field="sweep")
     grown = []
     for number, (axis, value) in enumerate(cases):
         progress("sizes", number, len(cases))
         larger = _grown_scene(scene, axis, value, seed)
-        changes = {**fixed, axis: value} if axis in SETTINGS else fixed
-        settings = settings_from(METHODS[METHOD].settings, changes)
-        moves = (
-            _moves_of_one(larger, edits, seed)
-            if axis == "lights"
-            else held_out_edits(larger, edits, seed)
-        )
-        truths = [truth(larger, e, reference_error, store or Store(), progress) for e in moves]
-        kept = ~scene_edges(larger)
-        floor = max(resolution(t.image, t.variance, kept) for t in truths)
-        point = measure(larger, METHOD, axis, settings, moves, truths, kept, progress)
+        changes = {**fixed, axis: value} if axis in settings_of else fixed
+        settings = settings_from(METHODS[method].settings, changes)
+        kept, floor, truths = ~scene_edges(larger), 0.0, []
+        if "lights" in METHODS[method].edits:
+            moves = (
+                _moves_of_one(larger, edits, seed)
+                if axis == "lights"
+                else held_out_edits(larger, edits, seed)
+            )
+            views = []
+            truths = [truth(larger, e, reference_error, store or Store(), progress) for e in moves]
+            floor = max(resolution(t.image, t.variance, kept) for t in truths)
+        else:
+            moves = held_out_turns(larger, edits, seed)
+            views = held_out_views(larger, edits, seed)
+        point = measure(larger, method, axis, settings, moves, truths, kept, progress, views)
         grown.append(Grown(_size(larger, axis, value), floor, point))
     progress("sizes", len(cases), len(cases))
     return grown
@@ -110,6 +133,7 @@ def _size(scene: Scene, axis: str, value: float) -> int:
         "view_samples": scene.camera.width * scene.camera.height,
         "triangles": len(scene.geometry.triangles),
         "lights": len(scene.lights),
+        "vertices": len(scene.geometry.positions),
     }
     return sizes.get(axis, int(value))
 
@@ -123,6 +147,8 @@ def _grown_scene(scene: Scene, axis: str, value: float, seed: int) -> Scene:
         return with_balls(scene, int(value))
     if axis == "lights":
         return scene.with_lights(many_lights(scene, int(value), seed))
+    if axis == "vertices":
+        return with_vertices(scene, int(value))
     return scene
 
 
@@ -156,17 +182,36 @@ def with_balls(scene: Scene, triangles: int) -> Scene:
         placed.append(Placed(ball, matrix, 0, index))
     names = tuple(f"ball {index}" for index in range(len(places)))
     balls, _ = assemble(placed, names)
-    more = Geometry(
-        positions=np.concatenate([geometry.positions, balls.positions]),
-        triangles=np.concatenate([geometry.triangles, balls.triangles + len(geometry.positions)]),
-        normals=np.concatenate([geometry.normals, balls.normals]),
-        uvs=np.concatenate([geometry.uvs, balls.uvs]),
-        tangents=np.concatenate([geometry.tangents, balls.tangents]),
-        material=np.concatenate([geometry.material, balls.material]),
-        object=np.concatenate([geometry.object, balls.object + len(scene.object_names)]),
-    )
-    more = more._replace(
-        triangles=more.triangles.astype(np.int32), object=more.object.astype(np.int32)
-    )
+    balls = balls._replace(object=balls.object + np.int32(len(scene.object_names)))
     # Nothing of the ray tracer and digest of the old geometry goes along.
-    return replace(scene, geometry=more, object_names=(*scene.object_names, *names))
+    return replace(
+        scene, geometry=_joined(geometry, balls), object_names=(*scene.object_names, *names)
+    )
+
+
+def with_vertices(scene: Scene, count: int) -> Scene:
+    """The scene with its largest object in about so many vertices, see `engine.measure.levels`."""
+    geometry = scene.geometry
+    largest = int(np.bincount(geometry.object).argmax())
+    own = geometry.object == largest
+    part = Part(geometry.positions.astype(np.float64), geometry.triangles[own].astype(np.int64))
+    level, _ = assemble([Placed(levels.with_vertices(part, count), np.eye(4), 0, 0)], ["level"])
+    level = level._replace(
+        material=level.material + geometry.material[own][0], object=level.object + np.int32(largest)
+    )
+    used, triangles = np.unique(geometry.triangles[~own], return_inverse=True)
+    others = Geometry(
+        positions=geometry.positions[used],
+        triangles=triangles.reshape(-1, 3).astype(np.int32),
+        normals=geometry.normals[used],
+        uvs=geometry.uvs[used],
+        tangents=geometry.tangents[used],
+        material=geometry.material[~own],
+        object=geometry.object[~own],
+    )
+    return replace(scene, geometry=_joined(others, level))
+
+
+def _joined(a: Geometry, b: Geometry) -> Geometry:
+    b = b._replace(triangles=b.triangles + np.int32(len(a.positions)))
+    return Geometry(*(np.concatenate(pair) for pair in zip(a, b, strict=True)))

@@ -2,31 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
+from matplotlib.ticker import NullLocator
 
-from engine.measure.chart import COLOURS, GREY, MARKERS, machine_caption, write_figure
+from engine.measure.chart import (
+    GREY,
+    line_style,
+    machine_caption,
+    plain_numbers,
+    quiet,
+    write_figure,
+)
 from engine.measure.document import finite, point_document, provenance
 from engine.measure.growth import Grown
 from engine.measure.machine import Machine
 from engine.measure.points import MAIN_ERROR
+from engine.measure.sweep import NEW_VIEW
 from engine.scene.scene import Scene
 
 Point = dict[str, Any]
 
-COSTS = {
-    "frame (ms)": lambda p: 1e3 * p["frame_seconds"]["median"],
-    "precompute (s)": lambda p: p["precompute_seconds"],
-    "transport (MB)": lambda p: 1e-6 * p["bytes"],
-    "relative L² error (%)": lambda p: 100 * max(p["error"][MAIN_ERROR], p["floor"]),
+COSTS: dict[str, dict[str, Callable[[Point], float]]] = {
+    "direct_to_indirect": {
+        "frame (ms)": lambda p: 1e3 * p["frame_seconds"]["median"],
+        "precompute (s)": lambda p: p["precompute_seconds"],
+        "transport (MB)": lambda p: 1e-6 * p["bytes"],
+        "relative L² error (%)": lambda p: 100 * max(p["error"][MAIN_ERROR], p["floor"]),
+    },
+    "glossy_prt": {
+        "light update (ms)": lambda p: 1e3 * p["frame_seconds"]["parts"]["transport"],
+        "picture of a new view (ms)": lambda p: 1e3 * p["frame_seconds"]["parts"][NEW_VIEW],
+        "precompute (s)": lambda p: p["precompute_seconds"],
+        "transport (MB)": lambda p: 1e-6 * p["bytes"],
+    },
 }
-"""What a point costs, each in its unit; no error is drawn below what its references can tell."""
+"""What a point of a method costs, each in its unit; no error is drawn below what its references can
+tell. The first two of `glossy_prt` are those of figure 12 of its paper."""
 
 
 def write(scene: Scene, grown: Sequence[Grown], machine: Machine, folder: Path) -> list[Path]:
@@ -42,6 +59,7 @@ def growth_document(scene: Scene, grown: Sequence[Grown], machine: Machine) -> d
         {
             **provenance(),
             "machine": machine.as_dict(),
+            "method": grown[0].point.method,
             "scene": scene.name,
             "width": camera.width,
             "height": camera.height,
@@ -61,16 +79,17 @@ def draw(document: dict[str, Any]) -> Figure:
         lines.setdefault(point["knob"], []).append(point)
     for line in lines.values():
         line.sort(key=lambda p: p["size"])
+    costs = COSTS[document["method"]]
     figure = Figure(figsize=(2.3 * len(lines) + 0.8, 8.4), layout="constrained")
-    grid = figure.subplots(len(COSTS), len(lines), sharex="col", sharey="row", squeeze=False)
-    for row, (cost, of) in zip(grid, COSTS.items(), strict=True):
-        for number, (axes, (name, line)) in enumerate(zip(row, lines.items(), strict=True)):
+    grid = figure.subplots(len(costs), len(lines), sharex="col", sharey="row", squeeze=False)
+    for row, (cost, of) in zip(grid, costs.items(), strict=True):
+        for number, (axes, line) in enumerate(zip(row, lines.values(), strict=True)):
             size = [p["size"] for p in line]
             _draw_line(axes, size, [of(p) for p in line], number)
             if axes is row[0]:
                 axes.set_ylabel(cost)
-            if cost == list(COSTS)[-1]:
-                axes.set_xlabel(name.replace("_", " "))
+    for axes, name in zip(grid[-1], lines, strict=True):
+        axes.set_xlabel(name.replace("_", " "))
     title = f"how cost grows: {TITLE.format(**document)}"
     figure.suptitle(title, fontsize=11, x=0.01, ha="left")
     caption = f"the number at a panel is the power with which it grows; {machine_caption(document)}"
@@ -78,30 +97,17 @@ def draw(document: dict[str, Any]) -> Figure:
     return figure
 
 
-TITLE = "direct_to_indirect on {scene}, {width} x {height}"
+TITLE = "{method} on {scene}, {width} x {height}"
 
 
 def _draw_line(axes: Axes, size: list[float], cost: list[float], number: int) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.plot(
-        size,
-        cost,
-        color=COLOURS[number % len(COLOURS)],
-        marker=MARKERS[number % len(MARKERS)],
-        markersize=5,
-        linewidth=1.4,
-        markeredgecolor="white",
-        markeredgewidth=0.7,
-    )
+    axes.plot(size, cost, **line_style(number))
     axes.set_xticks(size, [_short(value) for value in size], fontsize=7)
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.grid(which="major", color="#e4e4e4", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
+    plain_numbers(axes.yaxis)
+    quiet(axes)
     power = growth_power(size, cost)
     if power is not None:
         axes.set_title(f"{power:+.2f}", loc="right", fontsize=8, color=GREY, pad=2)

@@ -28,6 +28,7 @@ from engine.light.area import AreaLight
 from engine.light.base import Light
 from engine.light.disk import DiskLight
 from engine.light.distant import DistantLight
+from engine.light.environment import Environment
 from engine.light.point import PointLight
 from engine.light.projector import ProjectorLight
 from engine.light.sphere import SphereLight
@@ -40,6 +41,7 @@ Node = dict[str, Any]
 """What `mitsuba.load_dict` takes."""
 
 WIDE = 0.4  # GGX's α from which a cosine lobe counts as matt, since facets would lose its light
+CUTS = 4  # of a pixel of an environment map, along both sides
 DIELECTRIC = 0.2  # reflectance at normal incidence up to which a gloss counts as a clear coat
 
 
@@ -67,16 +69,13 @@ def mitsuba_scene(
         if light.enabled:
             document[f"light{index}"] = _emitter(light, lamp_albedo)
     if scene.environment is not None:
-        d = scene.environment.description
-        if scene.environment.radiance.shape[:2] != (1, 1) or d.area_light or not d.background:
+        description = scene.environment.description
+        if description.area_light or not description.background:
             raise InputError(
-                "Mitsuba gets even environments from us, without area lights and in the background",
+                "Mitsuba gets environments from us without area lights, and in the background",
                 field="environment",
             )
-        document["environment"] = {
-            "type": "constant",
-            "radiance": _rgb(scene.environment.table.radiance[0, 0]),
-        }
+        document["environment"] = _environment(scene.environment)
     return mi.load_dict(document)
 
 
@@ -267,6 +266,24 @@ def _emitter(light: Light, lamp_albedo: Any) -> Node:
     look = _look_at(light.position, light.target, light.up)
     size = [light.width / 2, light.height / 2, 1]
     return {"type": "rectangle", "to_world": look @ scale(size), **lamp}
+
+
+def _environment(environment: Environment) -> Node:
+    """A latitude-longitude map, whose left edge Mitsuba puts along -z and not its middle.
+
+    Mitsuba goes linearly from pixel to pixel: ours are cut, so that only their rims are blurred.
+    """
+    radiance = environment.table.radiance
+    if radiance.shape[:2] == (1, 1):
+        return {"type": "constant", "radiance": _rgb(radiance[0, 0])}
+    image = radiance.repeat(CUTS, axis=0).repeat(CUTS, axis=1)
+    image = np.roll(image, image.shape[1] // 2, axis=1)
+    turn = mi.ScalarTransform4f().rotate([0, 1, 0], environment.description.rotation_degrees)
+    return {
+        "type": "envmap",
+        "bitmap": mi.Bitmap(np.ascontiguousarray(image, np.float32)),
+        "to_world": turn,
+    }
 
 
 def _projector(light: ProjectorLight) -> Node:

@@ -8,23 +8,22 @@ seen against references of the path tracer, which the store keeps.
 from __future__ import annotations
 
 import dataclasses
-import tempfile
 import time
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from engine.errors import InputError, NotFound
 from engine.measure.edges import scene_edges
+from engine.measure.fresh import fresh
 from engine.measure.metrics import all_metrics, resolution
 from engine.measure.points import Point, Sweep
 from engine.measure.probes import held_out_edits, held_out_turns, nudged
 from engine.measure.settings import settings_from
-from engine.measure.timing import Timing, stopwatch
+from engine.measure.timing import Timing
 from engine.measure.truth import Truth, truth
-from engine.methods import METHODS, prepare
+from engine.methods import METHODS
 from engine.methods.base import Frame, Product, Progress, silent
 from engine.scene.edits import Edits
 from engine.scene.scene import Scene
@@ -52,6 +51,7 @@ SWEEPS: dict[str, dict[str, tuple[Any, ...]]] = {
 """Per method: the settings to sweep and their values."""
 
 REPEATS = 9
+NEW_VIEW = "new view"  # a part of `Point.parts`
 STEP = 1e-3  # of the scene's size
 REFERENCE_ERROR = 0.05  # the noise is taken out again, see `engine.measure.metrics.relative_l2`
 
@@ -142,35 +142,35 @@ def measure(
     truths: list[Truth],
     kept: np.ndarray,
     progress: Progress,
+    views: Sequence[Edits] = (),
 ) -> Point:
     """A fresh precompute: its time and size, and its frames of the edits against their truths.
 
-    kept (h, w) bool are the pixels that count.
+    kept (h, w) bool are the pixels that count. Without truths there are no errors. Of frames of
+    which each has another one of the views, the median time is added to the parts.
     """
-    with tempfile.TemporaryDirectory(prefix="relight-sweep-") as folder:
-        product: Product | None = None
-
-        def make() -> None:
-            nonlocal product
-            product = prepare(scene, method, settings, store=Store(Path(folder)), progress=progress)
-
-        seconds = stopwatch(make)
-        assert product is not None
-        frames, timing, parts = time_frames(product, edits, REPEATS, STEP * scene.diagonal)
+    with fresh(scene, method, settings, progress) as made:
+        frames, timing, parts = time_frames(made.product, edits, REPEATS, STEP * scene.diagonal)
         errors = [
             all_metrics(frame.image, truth.image, kept, truth.variance)
-            for frame, truth in zip(frames, truths, strict=True)
+            for frame, truth in zip(frames, truths, strict=bool(truths))
         ]
+        if views:
+            _, viewing, _ = time_frames(made.product, views, REPEATS, STEP * scene.diagonal)
+            parts[NEW_VIEW] = viewing.median
         return Point(
             method=method,
             knob=knob,
             settings=dataclasses.asdict(settings),
-            error={name: float(np.mean([e[name] for e in errors])) for name in errors[0]},
+            error={
+                name: float(np.mean([e[name] for e in errors]))
+                for name in (errors[0] if errors else ())
+            },
             errors=errors,
             frame=timing,
             parts=parts,
-            bytes=product.bytes,
-            precompute=seconds,
+            bytes=made.product.bytes,
+            precompute=made.seconds,
             warnings=sorted({w.message for frame in frames for w in frame.warnings}),
         )
 

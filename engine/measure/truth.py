@@ -44,16 +44,19 @@ def truth(
     store: Store,
     progress: Progress = silent,
     seed: int = 0,
+    max_bounces: int | None = None,
 ) -> Truth:
     """The picture of the scene under the edits to a relative L2 error, from the store if it can.
 
-    Each seed has noise of its own.
+    Each seed has noise of its own; `max_bounces` is that of `engine.reference.render`.
     """
     edited = apply(scene, edits)
-    entry = store.entry(f"reference-{_digest(edited, error)}{f'-{seed}' if seed else ''}")
+    name = f"reference-{_digest(edited, error)}"
+    name += "" if max_bounces is None else f"-bounces-{max_bounces}"
+    entry = store.entry(name + (f"-{seed}" if seed else ""))
     found = entry.read("picture")
     if found is None:
-        result = render(edited, error=error, seed=seed, progress=progress)
+        result = render(edited, error=error, seed=seed, max_bounces=max_bounces, progress=progress)
         entry.write(
             "picture",
             {"image": result.image, "variance": result.variance},

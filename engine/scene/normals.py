@@ -15,12 +15,12 @@ WELD = 5e-7  # of the longest side of the bounds: rounding; so that 21 bits hold
 MAX_VALENCE = 512  # corners at one point; beyond that each triangle keeps its own normal
 
 
-def with_normals(part: Part) -> Part:
+def with_normals(part: Part, crease_degrees: float = CREASE_DEGREES) -> Part:
     """The part with normals made: vertices at one place share one, split where a crease runs.
 
     A corner's normal is the mean of the triangles that meet at its place and turn away from its own
-    triangle by less than CREASE_DEGREES, each weighed with its angle there (Thürmer and Wüthrich
-    1998): independent of how a flat face is cut into triangles.
+    triangle by less than `crease_degrees`, each weighed with its angle there (Thürmer and Wüthrich
+    1998): independent of how a flat face is cut into triangles. With 180 there are no creases.
     """
     corners = part.positions[part.triangles]
     # Weld: vertices at the same place are one, whatever the file says, but for rounding.
@@ -41,7 +41,7 @@ def with_normals(part: Part) -> Part:
         place,
         order,
         starts,
-        math.cos(math.radians(CREASE_DEGREES)),
+        math.cos(math.radians(crease_degrees)),
         normals,
     )
     # One vertex for every different triple of place, texture coordinates and normal.

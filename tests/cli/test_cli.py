@@ -199,6 +199,12 @@ def test_both_backends_write_the_same_picture(relight: Relight) -> None:
             "no backends",
         ),
         (["chart", "cornell-box", "--sweep", "bounce=1,2", "--out", "c"], "bounce"),
+        (["chart", "--out", "c"], "SCENE: this chart is of a scene"),
+        (["chart", "--growth", "--tables", "--out", "c"], "--growth and --tables"),
+        (["chart", "--figure", "7", "--out", "c"], "figure: 7 is not made; there are 6, 8, 10, 11"),
+        (["chart", "--tables", "--method", "magic", "--out", "c"], "of glossy_prt's paper"),
+        (["chart", "none.obj", "--tables", "--out", "c"], "none.obj: cannot be read"),
+        (["chart", "--accuracy", "--environments", ".", "--out", "c"], "there is no map"),
     ],
 )
 def test_what_is_wrong_is_said_in_a_line(
@@ -218,6 +224,24 @@ def test_wrong_usage_has_status_2(relight: Relight) -> None:
     assert run.returncode == 2
     assert "--out" in run.stderr
     assert "Traceback" not in run.stderr
+
+
+def test_a_figure_of_the_paper(relight: Relight) -> None:
+    """Of a mesh file; the folder gets a picture and its numbers."""
+    (relight.folder / "roof.obj").write_text(
+        "v 0 0 0\nv 1 1 0\nv 1 1 2\nv 0 0 2\nv 2 0 0\nv 2 0 2\nf 1 4 3 2\nf 2 3 6 5\nf 1 5 6 4\n"
+    )
+    small = [f"{name}=16" for name in ("light_texels", "visibility_texels", "brdf_texels")]
+    sets = [word for setting in small for word in ("--set", setting)]
+    run = relight("chart", "roof.obj", "--figure", "8", "--size", "24x20", *sets, "--out", "c")
+    assert run.returncode == 0, run.stderr
+    assert [Path(line).name for line in run.stdout.split()] == ["figure-8.png", "figure-8.json"]
+    document = json.loads((relight.folder / "c" / "figure-8.json").read_text())
+    assert (document["object"], document["width"], document["height"]) == ("roof", 24, 20)
+    assert document["settings"]["brdf_texels"] == 16
+    assert [p["terms"] for p in document["pictures"]] == [1, 2, 4, 8, 16]
+    assert document["reference_error"] == 0.02
+    assert read_image(relight.folder / "c" / "figure-8.png").shape[1] > 500
 
 
 def test_chart_of_a_small_sweep(relight: Relight) -> None:

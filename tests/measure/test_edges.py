@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from engine.measure.edges import edge_mask, scene_edges
+from engine.measure.edges import edge_mask, scene_edges, seen_objects
 from engine.scene.open import open_scene
 from engine.scene.scene import Scene
 
@@ -53,6 +53,17 @@ def test_a_step_in_depth_and_a_fold() -> None:
     folded = normal.copy()
     folded[:, 30:] = [0.0, 0.6, 0.8]
     assert edge_mask(position, folded, surface, EYE)[:, 29:31].all()
+
+
+def test_what_a_pixel_shows() -> None:
+    """Objects by their index, above them what is beyond."""
+    scene = open_scene("knot")
+    small = {"width": 50, "height": 40}
+    seen = seen_objects(scene.with_camera(scene.camera.model_copy(update=small)))
+    assert seen.shape == (40, 50)
+    assert set(np.unique(seen)) == {-1, 0, 1}
+    assert seen[-1, 0] == 1
+    assert seen[0, 0] == -1
 
 
 def test_the_background_is_a_surface_of_its_own() -> None:

@@ -51,4 +51,4 @@ def test_whose_materials() -> None:
 def test_other_charts_need_a_scene(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["chart", "--out", str(tmp_path)])
     assert isinstance(result.exception, InputError)
-    assert "a scene is needed" in str(result.exception)
+    assert "of a scene, and of one" in str(result.exception)

@@ -11,17 +11,19 @@ import pytest
 from methods.scenes import cornell
 from PIL import Image
 
+from engine.brdf.published import BRUSHED
 from engine.errors import InputError
 from engine.measure import growth_chart
-from engine.measure.growth import SCENES, growth, with_balls
+from engine.measure.growth import SCENES, growth, with_balls, with_vertices
 from engine.measure.growth_chart import growth_power
 from engine.measure.machine import this_machine
 from engine.measure.probes import many_lights
+from engine.measure.stage import ball, stage
 from engine.reference import render
 from engine.store import Store
 
 
-@pytest.mark.parametrize("triangles", SCENES["triangles"])
+@pytest.mark.parametrize("triangles", SCENES["direct_to_indirect"]["triangles"])
 def test_balls_bring_a_scene_to_its_triangles(triangles: float) -> None:
     """To within a tenth, by balls of which all are the same."""
     box = cornell(16)
@@ -104,6 +106,45 @@ def test_growth_on_a_small_box(tmp_path: Path) -> None:
         assert (pixels == colour).all(axis=2).sum() > 200
     document = json.loads(paths[2].read_text())
     assert [p["size"] for p in document["points"]] == [g.size for g in grown]
+
+
+def test_growth_of_glossy_prt(tmp_path: Path) -> None:
+    """Without references: the light update and the picture of a new view, as in its figure 12."""
+    scene = stage(ball(8), BRUSHED, (24, 24), cuts=8)
+    fixed = {"light_texels": 16, "visibility_texels": 16, "gather_texels": 8, "brdf_texels": 16}
+    axes = {"vertices": (200, 1500), "terms": (1, 8), "coefficients": (16, 200)}
+    grown = growth(scene, method="glossy_prt", fixed=fixed, axes=axes, edits=1)
+    assert [g.point.knob for g in grown] == [name for name in axes for _ in range(2)]
+    sizes = {name: [g.size for g in grown if g.point.knob == name] for name in axes}
+    assert sizes["vertices"] == pytest.approx([200 + 81, 1500 + 81], rel=0.05)
+    assert sizes["terms"] == [1, 8]
+    for g in grown:
+        assert g.floor == 0
+        assert g.point.error == {}
+        parts = g.point.parts
+        assert 0 < parts["transport"] < g.point.frame.p95
+        assert 0 < parts["new view"] < 1
+    for name in axes:
+        small, large = (g.point.bytes for g in grown if g.point.knob == name)
+        assert large > 1.3 * small
+    paths = growth_chart.write(scene, grown, this_machine(), tmp_path)
+    texts = "".join(ElementTree.parse(paths[0]).getroot().itertext())
+    for words in ("glossy_prt on ball on a floor", "light update", "picture of a new view", *axes):
+        assert words in texts
+    assert "error" not in texts
+
+
+def test_levels_leave_the_rest_of_a_scene_alone() -> None:
+    scene = stage(ball(20), BRUSHED, (24, 24), cuts=8)
+    coarse = with_vertices(scene, 120)
+    own, floor = (coarse.geometry.object == index for index in (0, 1))
+    assert np.unique(coarse.geometry.triangles[own]).size == pytest.approx(120, rel=0.1)
+    assert (coarse.geometry.material[own] == 0).all()
+    assert (coarse.geometry.material[floor] == 1).all()
+    was = scene.geometry.positions[scene.geometry.triangles[scene.geometry.object == 1]]
+    assert np.array_equal(coarse.geometry.positions[coarse.geometry.triangles[floor]], was)
+    assert coarse.transport_digest != scene.transport_digest
+    assert coarse.object_names == scene.object_names
 
 
 def test_powers() -> None:

@@ -102,6 +102,12 @@ def test_references_are_kept_and_told_apart(
     moved = scene.camera.model_copy(update={"fov_y_degrees": 20.0})
     truth(scene.with_camera(moved), still, 0.5, store)
     assert len(calls) == 4
+    # Light that is cut off is another picture, of which direct light alone is the darkest.
+    direct = truth(scene, still, 0.5, store, max_bounces=1)
+    assert len(calls) == 5
+    assert direct.image.sum() < 0.9 * first.image.sum()
+    assert np.array_equal(truth(scene, still, 0.5, store, max_bounces=1).image, direct.image)
+    assert len(calls) == 5
 
 
 def test_a_benchmark_is_complete_and_can_be_printed(tmp_path: Path) -> None:
