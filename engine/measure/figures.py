@@ -193,7 +193,7 @@ def wavelets(shoot: Shoot) -> Sheet:
     texels = cube_map.FACES * settings_from(METHODS[METHOD].settings, shoot.fixed).light_texels ** 2
     shown, off, numbers = [], [], []
     for count in (32, 64, 128, 256, 512):
-        image = shoot.image(scene, coefficients=count, bounces=0)
+        image = shoot.image(scene, coefficients=count, cluster_error=0.0, bounces=0)
         found, kept = error(image, reference, pixels), count / texels
         shown.append(picture(image, exposure, f"$N_l$ = {count} ({kept:.2%})"))
         text = f"floor {found:.1%} off"

@@ -20,7 +20,7 @@ from engine.measure.metrics import resolution
 from engine.measure.points import Point
 from engine.measure.probes import held_out_edits, held_out_turns, held_out_views, many_lights
 from engine.measure.settings import settings_from
-from engine.measure.sweep import REFERENCE_ERROR, measure
+from engine.measure.sweep import REFERENCE_ERROR, along, measure
 from engine.measure.truth import truth
 from engine.methods import METHODS
 from engine.methods.base import Progress, silent
@@ -106,8 +106,8 @@ def growth(
     for number, (axis, value) in enumerate(cases):
         progress("sizes", number, len(cases))
         larger = _grown_scene(scene, axis, value, seed)
-        changes = {**fixed, axis: value} if axis in settings_of else fixed
-        settings = settings_from(METHODS[method].settings, changes)
+        extra = {**along(method, axis, value), axis: value} if axis in settings_of else {}
+        settings = settings_from(METHODS[method].settings, {**fixed, **extra})
         kept, floor, truths = ~scene_edges(larger), 0.0, []
         if "lights" in METHODS[method].edits:
             moves = (

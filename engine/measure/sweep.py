@@ -42,6 +42,7 @@ SWEEPS: dict[str, dict[str, tuple[Any, ...]]] = {
     "glossy_prt": {
         "terms": (1, 2, 4, 8, 16),
         "coefficients": (32, 64, 128, 256, 512),
+        "cluster_error": (0.2, 0.1, 0.05, 0.02, 0.01),
         "light_texels": (16, 32, 64),
         "bounces": (0, 1, 2),
         "bounce_coefficients": (24, 48, 96),
@@ -67,15 +68,19 @@ def variants(
     found: list[tuple[str, Any]] = [("", base)]
     for knob, values in (SWEEPS.get(method, {}) if knobs is None else knobs).items():
         for value in values:
-            settings = settings_from(kind, {**fixed, **along(knob, value), knob: value})
+            settings = settings_from(kind, {**fixed, **along(method, knob, value), knob: value})
             if settings not in [other for _, other in found]:
                 found.append((knob, settings))
     return found
 
 
-def along(knob: str, value: Any) -> dict[str, Any]:
-    """Settings that go with a value of another."""
-    return {"visibility_texels": 2 * value} if knob == "light_texels" else {}
+def along(method: str, knob: str, value: Any) -> dict[str, Any]:
+    """Settings that go with a value of another; wavelets are counted where clusters are not."""
+    if method == "glossy_prt" and knob == "light_texels":
+        return {"visibility_texels": 2 * value}
+    if method == "glossy_prt" and knob in ("coefficients", "bounce_coefficients"):
+        return {"cluster_error": 0.0}
+    return {}
 
 
 def sweep(
