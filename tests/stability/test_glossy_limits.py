@@ -217,3 +217,51 @@ def test_coarse_gather_maps_make_bands(make: Make) -> None:
     errors = [off(images[texels], images[64]) for texels in (4, 8, 16, 32)]
     assert errors[0] > errors[1] > errors[2] > errors[3]
     assert errors[3] < 0.005
+
+
+def over_a_floor(segments: int) -> Scene:
+    """The ball just over a matt floor that is cut so often, under a sun a tenth of the sky wide."""
+    floor = rectangle("floor", [3, 3], [0, -0.52, 0], [-90, 0, 0])
+    floor["mesh"]["segments"] = [segments, segments]
+    return ball(
+        GREY,
+        size=48,
+        camera=camera(48, position=[0, 2, 3], target=[0, -0.4, 0], fov_y_degrees=40),
+        environment={
+            "map": [0.1, 0.1, 0.1],
+            "area_light": {
+                "direction": [0.6, -1, 0.2], "radius_degrees": 10, "radiance": [20, 20, 20]
+            },
+        },
+        objects=[
+            {"name": "ball", "mesh": {"shape": "sphere", "radius": 0.5, "rings": 24},
+             "material": "ball"},
+            {**floor, "material": "ball"},
+        ],
+    )  # fmt: skip
+
+
+def test_coarse_meshes_are_told_by_how_much_they_are_off(make: Make) -> None:
+    """Against the same floor cut finely; what is said grows with it, and fine meshes say nothing."""
+    fine = make(over_a_floor(96)).relight(Edits())
+    said, true = [], []
+    for segments in (2, 6, 24):
+        found = make(over_a_floor(segments)).relight(Edits())
+        true.append(off(found.image, fine.image))
+        said.append({w.code: w.size for w in found.warnings}.get("mesh_too_coarse", 0))
+    assert true[0] > true[1] > true[2]
+    assert said[0] > said[1] > said[2] == 0
+    assert true[2] < 0.1
+    assert "mesh_too_coarse" not in {w.code for w in fine.warnings}
+
+
+def test_borders_of_clusters_fade_with_their_error(make: Make) -> None:
+    """Neighbouring clusters leave out different things, which a hard light shows."""
+    made, lamp = ball(phong(10), size=48), sky(map="studio", rotation_degrees=60)
+    exact = make(made, cluster_error=0.0, coefficients=1024).relight(lamp).image
+    errors = [
+        off(make(made, cluster_error=e).relight(lamp).image, exact) for e in (0.2, 0.05, 0.01)
+    ]
+    assert errors[0] > 1.5 * errors[1] > 2 * errors[2]
+    assert errors[1] < 0.02
+    assert errors[2] < 0.005

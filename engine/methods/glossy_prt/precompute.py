@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from engine.methods.base import Progress
 from engine.methods.chunks import Arrays, CallingThread, run_chunks
+from engine.methods.glossy_prt.coarseness import between_vertices
 from engine.methods.glossy_prt.compression import Job as ClusterJob
 from engine.methods.glossy_prt.compression import cluster_chunk
 from engine.methods.glossy_prt.direct import SOURCE, OpenParts, direct_chunk
@@ -34,7 +35,7 @@ from engine.scene.scene import Scene
 from engine.store import Entry, Store
 
 BOUNCED = 2  # times the error of direct transport: there is so much less bounced light
-VERSION = 4  # of the stored arrays and of what they mean
+VERSION = 5  # of the stored arrays and of what they mean
 
 
 def precompute(
@@ -64,7 +65,7 @@ def _write(transport: Transport, entry: Entry) -> None:
         for m, vectors in enumerate(of_materials)
         for name, array in vectors._asdict().items()
     }
-    entry.write("transport", arrays, {"left": transport.left})
+    entry.write("transport", arrays, {"left": transport.left, "between": transport.between})
 
 
 def _read(entry: Entry, settings: Settings, materials: int) -> Transport | None:
@@ -80,7 +81,7 @@ def _read(entry: Entry, settings: Settings, materials: int) -> Transport | None:
         ]
 
     bounced = vectors("bounced") if settings.bounces else []
-    return Transport(vectors("direct"), bounced, found.meta["left"])
+    return Transport(vectors("direct"), bounced, found.meta["left"], found.meta["between"])
 
 
 class _Run:
@@ -114,12 +115,17 @@ class _Run:
     def transport(self) -> Transport:
         """Of all materials."""
         direct, sources = self._direct()
+        self._progress("between vertices", 0, 1)
+        n = self.settings.light_texels
+        between = between_vertices(self.scene, self.vertices, self._by_rays(), n)
+        self._progress("between vertices", 1, 1)
         if not self.settings.bounces:
-            return Transport(direct, [], 0.0)
-        bounced, left = self._bounced(sources)
-        if not self.settings.cluster_error:
-            return Transport(direct, list(bounced), left)
-        return Transport(direct, [self._clustered(m, v) for m, v in enumerate(bounced)], left)
+            return Transport(direct, [], 0.0, between)
+        found, left = self._bounced(sources)
+        bounced: list[Stored] = list(found)
+        if self.settings.cluster_error:
+            bounced = [self._clustered(m, v) for m, v in enumerate(found)]
+        return Transport(direct, bounced, left, between)
 
     def _direct(self) -> tuple[list[Stored], list[WaveletVectors]]:
         """(direct transport, the vectors that bounces are gathered from)."""
@@ -156,9 +162,12 @@ class _Run:
         light, fine = s.light_texels, s.visibility_texels
         if s.visibility == "gl":
             return CallingThread(), GlVisibility(self.scene, light, fine)
-        coarse = s.coarse_texels
-        look = partial(open_parts, self.scene.rays, light=light, fine=fine, coarse=coarse)
-        return self._executor, look
+        return self._executor, self._by_rays()
+
+    def _by_rays(self) -> OpenParts:
+        s = self.settings
+        fine, coarse = s.visibility_texels, s.coarse_texels
+        return partial(open_parts, self.scene.rays, light=s.light_texels, fine=fine, coarse=coarse)
 
     def _bounced(self, direct: list[WaveletVectors]) -> tuple[list[WaveletVectors], float]:
         """(sum of the passes, part of all light that would still follow)."""

@@ -39,6 +39,7 @@ from engine.scene.scene import Scene
 
 NAME = "glossy_prt"
 SAID = 0.02  # of all light: less is not worth a warning
+COARSE = 0.05  # error between vertices under a small lamp: less is not worth a warning
 
 
 Stored = WaveletVectors | Clusters
@@ -50,11 +51,13 @@ class Transport(NamedTuple):
     direct   transport vectors of every material of the scene
     bounced  the same of what bounces; empty where no bounce was asked for
     left     part of all light that passes which were not made would bring
+    between  see `coarseness.between_vertices`
     """
 
     direct: list[Stored]
     bounced: list[Stored]
     left: float
+    between: float
 
 
 class Prt:
@@ -86,7 +89,7 @@ class Prt:
         # What draws on the GPU, from the first frame that it draws; then why it does not.
         self._gl: GlPrt | None = None
         self._gl_failed: Diagnosis | None = None
-        said = (_local_lights(scene), _truncated(transport.left))
+        said = (_local_lights(scene), _truncated(transport.left), _coarse(transport.between))
         self._of_scene = (*(d for d in said if d is not None), *fits.said)
         self._fits = fits.materials
 
@@ -200,4 +203,16 @@ def _truncated(left: float) -> Diagnosis | None:
         f"Light that bounces more often than it was followed would add {100 * left:.0f} % or "
         "more to what there is: set bounces higher.",
         left,
+    )
+
+
+def _coarse(between: float) -> Diagnosis | None:
+    if between < COARSE:
+        return None
+    return Diagnosis(
+        "mesh_too_coarse",
+        f"Between the vertices of the mesh a light of 10 degrees is {100 * between:.0f} % off, as "
+        "measured at some of them: shadows are as sharp as triangles are small. Cut the mesh more "
+        "finely; rectangles have `segments`.",
+        between,
     )
