@@ -242,7 +242,7 @@ def over_a_floor(segments: int) -> Scene:
 
 
 def test_coarse_meshes_are_told_by_how_much_they_are_off(make: Make) -> None:
-    """Against the same floor cut finely; what is said grows with it, and fine meshes say nothing."""
+    """Against the same floor cut finely; what is said grows with it, of fine meshes nothing."""
     fine = make(over_a_floor(96)).relight(Edits())
     said, true = [], []
     for segments in (2, 6, 24):
