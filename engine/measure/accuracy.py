@@ -25,7 +25,7 @@ from engine.measure.edges import scene_edges, seen_objects
 from engine.measure.fresh import fresh
 from engine.measure.machine import this_machine
 from engine.measure.metrics import relative_l2, resolution
-from engine.measure.stage import MATERIALS, Thing, ball, stage
+from engine.measure.stage import MATERIALS, OBJECT, Thing, ball, stage
 from engine.measure.sweep import REFERENCE_ERROR, variants
 from engine.measure.truth import Truth, truth
 from engine.methods.base import Progress, silent
@@ -44,6 +44,11 @@ class Transport:
 
     alone: bool
     bounces: int
+
+    @property
+    def limits(self) -> tuple[int | None, ...]:
+        """Reflections after which references cut light off; None for those that do not."""
+        return (self.bounces + 1,) if self.alone else (self.bounces + 1, None)
 
 
 TRANSPORTS = {
@@ -110,35 +115,42 @@ def study(
     reference_error  relative L2 error that the references are rendered to
     store            where references are kept
     """
-    swept = _swept(knobs)
+    swept, kept = _swept(knobs), store or Store()
     points: list[dict[str, Any]] = []
     references: list[dict[str, Any]] = []
     vertices = {}
-    for material_number, (name, material) in enumerate(materials.items()):
-        progress("materials", material_number, len(materials))
-        for transport_name, transport in TRANSPORTS.items():
+
+    def measure(at: dict[str, str], scene: Scene, transport: Transport) -> None:
+        """Add all points of one material and one transport."""
+        pixels = counted(scene)
+        truths = {
+            limit: {
+                name: truth(scene, edit, reference_error, kept, progress, max_bounces=limit)
+                for name, edit in environments.items()
+            }
+            for limit in transport.limits
+        }
+        references.extend(
+            {**at, "environment": environment, "max_bounces": limit, **_reference(found, pixels)}
+            for limit, under in truths.items()
+            for environment, found in under.items()
+        )
+        values = {knob: v for knob, (where, v) in swept.items() if where == at["transport"]}
+        if isinstance(scene.materials[OBJECT], Diffuse):
+            values.pop("terms", None)  # one is exact
+        # Passes that are asked for are made, however little they bring.
+        usual = {"remaining": 0.0, **(fixed or {}), "bounces": transport.bounces}
+        for knob, settings in variants(METHOD, usual, values):
+            found = _point(scene, settings, environments, truths, pixels, progress)
+            points.append({**at, "knob": knob, **found})
+
+    for number, (material_name, material) in enumerate(materials.items()):
+        progress("materials", number, len(materials))
+        for name, transport in TRANSPORTS.items():
             shape, floor = (ball(rings), None) if transport.alone else (thing, cuts)
             scene = stage(shape, material, size, cuts=floor, folder=folder)
             vertices[scene.name] = len(scene.geometry.positions)
-            pixels = counted(scene)
-            truths = {
-                limit: _truths(scene, environments, limit, reference_error, store, progress)
-                for limit in ([1] if transport.alone else [transport.bounces + 1, None])
-            }
-            at = {"material": name, "transport": transport_name}
-            references += [
-                {**at, "environment": environment, "max_bounces": limit, **_reference(t, pixels)}
-                for limit, found in truths.items()
-                for environment, t in found.items()
-            ]
-            values = {knob: v for knob, (where, v) in swept.items() if where == transport_name}
-            if isinstance(material, Diffuse):
-                values.pop("terms", None)  # one is exact
-            # Passes that are asked for are made, however little they bring.
-            usual = {"remaining": 0.0, **(fixed or {}), "bounces": transport.bounces}
-            for knob, settings in variants(METHOD, usual, values):
-                found = _point(scene, settings, environments, truths, pixels, progress)
-                points.append({**at, "knob": knob, **found})
+            measure({"material": material_name, "transport": name}, scene, transport)
     progress("materials", len(materials), len(materials))
     return finite(
         {
@@ -181,21 +193,6 @@ def _swept(
         if knob not in SWEEPS:
             raise InputError(f"{knob} is not swept; there are {', '.join(SWEEPS)}", field="sweep")
     return {knob: (SWEEPS[knob][0], values) for knob, values in knobs.items()}
-
-
-def _truths(
-    scene: Scene,
-    environments: Mapping[str, Edits],
-    limit: int | None,
-    reference_error: float,
-    store: Store | None,
-    progress: Progress,
-) -> dict[str, Truth]:
-    kept = store or Store()
-    return {
-        name: truth(scene, edit, reference_error, kept, progress, max_bounces=limit)
-        for name, edit in environments.items()
-    }
 
 
 def _reference(reference: Truth, pixels: Pixels) -> dict[str, float]:

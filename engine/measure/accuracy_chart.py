@@ -31,6 +31,7 @@ LABELS = {
     "gather_texels": "texels along a face\nof the gathering cube map",
     BOUNCES: "bounces followed",
 }
+PATHS = {"direct": "direct light", BOUNCES: "all light"}
 SHOWN = 0.1  # per cent: errors below are drawn there, since a logarithm has no place for 0
 APART = 0.05  # between the ranges of two materials, parts of the way to the next value
 
@@ -74,7 +75,7 @@ def _draw_panel(axes: Axes, document: dict[str, Any], knob: str) -> None:
         style = line_style(number)
         axes.plot(x, middle, **style, label=name)
         axes.vlines(x, low, high, color=style["color"], linewidth=0.9, alpha=0.55)
-    where = "all light" if knob == BOUNCES else SWEEPS[knob][0]
+    where = BOUNCES if knob == BOUNCES else SWEEPS[knob][0]
     floors = [
         r["floor"]
         for r in document["references"]
@@ -86,7 +87,7 @@ def _draw_panel(axes: Axes, document: dict[str, Any], knob: str) -> None:
     axes.set_xticks(range(len(values)), [str(value) for value in values], fontsize=8)
     axes.xaxis.set_minor_locator(NullLocator())
     axes.set_xlabel(LABELS[knob], fontsize=9)
-    axes.set_title(f"against {where}", fontsize=8, color=GREY, loc="left")
+    axes.set_title(f"against {PATHS.get(where, where)}", fontsize=8, color=GREY, loc="left")
     plain_numbers(axes.yaxis)
     axes.tick_params(axis="y", labelsize=8)
     quiet(axes)
@@ -106,8 +107,9 @@ def _line(document: dict[str, Any], material: str, knob: str) -> list[tuple[Any,
 
 
 def _caption(document: dict[str, Any]) -> str:
+    staged = list(document["vertices"])[-1]
     return (
-        f"an object on a floor, {document['width']} x {document['height']}; lines are medians over "
+        f"{staged}, {document['width']} x {document['height']}; medians over "
         f"{len(document['environments'])} environments, bars their range; references to "
         f"{100 * document['reference_error']:g} %, noise taken out; what it hides lies below the "
         f"dashes; {machine_caption(document)}"

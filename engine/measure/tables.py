@@ -116,10 +116,11 @@ def _profile(
     with fresh(scene, METHOD, settings(0), progress) as made:
         direct_seconds, direct_bytes = made.seconds, made.product.bytes
     with fresh(scene, METHOD, settings(1), progress) as made:
+        passes = [took for phase, took in made.phases.items() if phase.startswith("bounce")]
         return {
             "direct_seconds": direct_seconds,
             "direct_bytes": direct_bytes,
-            "bounce_seconds": max(0.0, made.seconds - direct_seconds),
+            "bounce_seconds": sum(passes),
             "bytes": made.product.bytes,
             "view_fps": _rate(made.product, scene, held_out_views(scene, EDITS, seed)),
             "light_fps": _rate(made.product, scene, held_out_turns(scene, EDITS, seed)),

@@ -9,12 +9,17 @@ import numpy as np
 import pytest
 from methods.scenes import cornell
 
+from engine.light.environment import EnvironmentDescription
+from engine.light.maps import load_environment
 from engine.measure import mitsuba_variant
 from engine.measure.halves import Halves
 from engine.measure.metrics import psnr, relative_l2
-from engine.measure.probes import held_out_edits
+from engine.measure.probes import held_out_edits, held_out_turns
+from engine.measure.stage import MATERIALS, ball, stage
+from engine.measure.truth import truth
 from engine.methods import prepare
 from engine.methods.direct_to_indirect import Settings
+from engine.scene.edits import Edits, apply
 from engine.store import Store
 
 
@@ -106,6 +111,40 @@ def test_rivals_on_a_small_box(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
         assert min(low, high) <= denoised["seconds"] <= max(p["seconds"] for p in points)
     spot = found["edits"][0]
     assert any("penumbra" in known for known in spot["differences"])
+
+
+def test_rivals_under_an_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`glossy_prt` against Mitsuba, for turns of a map."""
+    pytest.importorskip("mitsuba_oidn")
+
+    from engine.measure import rivals as module
+    from engine.methods.glossy_prt import Settings as Glossy
+
+    monkeypatch.setattr(module, "fastest_variant", lambda: "scalar_rgb")
+    monkeypatch.setattr(module, "MOST_SAMPLES", 16)
+    studio = load_environment(EnvironmentDescription(map="studio"), Path())
+    scene = stage(ball(12), MATERIALS["diffuse"], (24, 24), cuts=16, environment=studio)
+    store = Store(tmp_path)
+    settings = Glossy(light_texels=32, visibility_texels=32, gather_texels=8)
+    product = prepare(scene, "glossy_prt", settings, store=store)
+    found = module.rivals(
+        scene,
+        product,
+        held_out_turns(scene, 1, seed=1),
+        reference_error=0.05,
+        reference_samples=64,
+        store=store,
+    )
+    (one,) = found["edits"]
+    assert one["differences"] == []
+    assert 0.001 < one["ours"]["relative_l2"] < 0.1
+    assert one["mitsuba"]["measured_relative_l2"] < 0.3
+    # Where definitions do not differ, Mitsuba's picture is near ours, whichever way it is turned.
+    turned = apply(scene, held_out_turns(scene, 1, seed=1)[0])
+    theirs = module._Mitsuba(turned).picture(256, 1)
+    true = truth(turned, Edits(), 0.05, store).image
+    inner = np.s_[2:-2, 2:-2]
+    assert relative_l2(theirs[inner], true[inner]) < 0.12
 
 
 def test_what_mitsuba_is_said_to_need_is_what_it_needs(tmp_path: Path) -> None:
