@@ -69,12 +69,6 @@ def mitsuba_scene(
         if light.enabled:
             document[f"light{index}"] = _emitter(light, lamp_albedo)
     if scene.environment is not None:
-        description = scene.environment.description
-        if description.area_light or not description.background:
-            raise InputError(
-                "Mitsuba gets environments from us without area lights, and in the background",
-                field="environment",
-            )
         document["environment"] = _environment(scene.environment)
     return mi.load_dict(document)
 
@@ -273,6 +267,8 @@ def _environment(environment: Environment) -> Node:
 
     Mitsuba goes linearly from pixel to pixel: ours are cut, so that only their rims are blurred.
     """
+    if environment.description.area_light or not environment.description.background:
+        raise InputError("Mitsuba gets no area lights in it, and shows it", field="environment")
     radiance = environment.table.radiance
     if radiance.shape[:2] == (1, 1):
         return {"type": "constant", "radiance": _rgb(radiance[0, 0])}
