@@ -70,7 +70,7 @@ def draw(sheet: Sheet) -> Figure:
     columns = max(len(row.tiles) for row in sheet.rows)
     height, width = next(t for row in sheet.rows for t in row.tiles if t).image.shape[:2]
     figure = Figure(
-        figsize=(WIDE * columns + 0.4, (WIDE * height / width + 0.42) * len(sheet.rows) + 0.75),
+        figsize=(WIDE * columns + 0.4, (WIDE * height / width + 0.36) * len(sheet.rows) + 0.7),
         layout="constrained",
     )
     grid = figure.subplots(len(sheet.rows), columns, squeeze=False)

@@ -38,7 +38,7 @@ FULL = 0.3  # part of the reference's mean at which the colours of a difference 
 FULL_OF_BOUNCE = 0.1  # the same of bounced light alone
 SIZE, CUTS, REFERENCE_ERROR = (256, 256), 128, 0.02
 HEIGHT = 256  # of the maps that are made here
-SUN = ((-0.65, 0.62, -0.35), 1.5, (1.0, 0.95, 0.85), 0.04)
+SUN = ((-0.62, 0.8, 0.12), 1.5, (1.0, 0.95, 0.85), 0.04)
 LAMP = ((-0.35, 0.62, 0.7), 6.0, (1.0, 0.62, 0.28), 0.0)
 """Direction to the light, its radius in degrees, its colour, radiance of the rest of the sky over
 the mean of the light's."""
