@@ -18,10 +18,7 @@ from engine.arguments import (
     picture_size,
     sized_scene,
 )
-from engine.brdf.published import BRUSHED
 from engine.errors import InputError
-from engine.light.environment import EnvironmentDescription
-from engine.light.maps import load_environment
 from engine.measure import (
     accuracy,
     accuracy_chart,
@@ -36,11 +33,10 @@ from engine.measure.document import sweep_document
 from engine.measure.growth import growth
 from engine.measure.machine import this_machine
 from engine.measure.settings import parse_assignments
-from engine.measure.stage import Thing, knot, read_thing, stage
+from engine.measure.stage import Thing, knot, read_thing
 from engine.measure.sweep import REFERENCE_ERROR, sweep
 from engine.methods.base import Progress
 from engine.scene.mesh_files import FORMATS
-from engine.scene.scene import Scene
 
 PAPERS_OWN = accuracy.METHOD  # the method whose paper has the tables and the figures
 
@@ -127,7 +123,8 @@ def _growth(asked: Asked, folder: Path, progress: Progress) -> list[Path]:
         raise InputError("growth is charted of one method at a time", field="method")
     method = known_method((asked.methods or [DEFAULT_METHOD])[0])
     if method == PAPERS_OWN and Path(asked.one_scene()).suffix.lower().lstrip(".") in FORMATS:
-        scene = _brushed(asked)
+        cuts = asked.floor or accuracy.CUTS
+        scene = tables.brushed(asked.thing(), asked.pixels(tables.SIZE), cuts)
     else:
         scene = sized_scene(asked.one_scene(), asked.size)
     grown = growth(
@@ -141,17 +138,6 @@ def _growth(asked: Asked, folder: Path, progress: Progress) -> list[Path]:
         progress=progress,
     )
     return growth_chart.write(scene, grown, this_machine(), folder)
-
-
-def _brushed(asked: Asked) -> Scene:
-    """A mesh file's object of the paper's brushed metal, on a floor in the studio."""
-    return stage(
-        asked.thing(),
-        BRUSHED,
-        asked.pixels(tables.SIZE),
-        cuts=asked.floor or accuracy.CUTS,
-        environment=load_environment(EnvironmentDescription(map="studio"), Path()),
-    )
 
 
 def _factorisation(asked: Asked, folder: Path, progress: Progress) -> list[Path]:

@@ -70,11 +70,11 @@ def profiles(
     seed   draws the turns of the environment and the views
     """
     # What is compiled is compiled before the clock runs.
-    _profile(_scene(ball(4), (16, 16), 4), 1, fixed or {}, seed, silent)
+    _profile(brushed(ball(4), (16, 16), 4), 1, fixed or {}, seed, silent)
     found = []
     for number, thing in enumerate(things):
         progress("objects", number, len(things))
-        scene = _scene(thing, size, cuts)
+        scene = brushed(thing, size, cuts)
         own = scene.geometry.object == 0
         found.append(
             {
@@ -101,7 +101,8 @@ def profiles(
     )
 
 
-def _scene(thing: Thing, size: tuple[int, int], cuts: int) -> Scene:
+def brushed(thing: Thing, size: tuple[int, int], cuts: int) -> Scene:
+    """A thing of the paper's brushed metal, on a floor in the studio."""
     studio = load_environment(EnvironmentDescription(map="studio"), Path())
     return stage(thing, BRUSHED, size, cuts=cuts, environment=studio)
 

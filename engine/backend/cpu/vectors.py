@@ -23,16 +23,12 @@ class Factor:
     """
 
     def __init__(self, stored: WaveletVectors | Clusters, terms: int) -> None:
-        self.stored, self.terms = stored, terms
+        self.stored, self.terms, self.channels = stored, terms, stored.scale.shape[1] // terms
+        self._begins: Any
         if isinstance(stored, Clusters):
-            self.vertices, self.channels = (
-                int(stored.vertices.sum()),
-                stored.scale.shape[1] // terms,
-            )
-            self._begins: Any = starts(stored)
+            self.vertices, self._begins = int(stored.vertices.sum()), starts(stored)
         else:
-            self.vertices, self.channels = len(stored.length), stored.scale.shape[1] // terms
-            self._begins = stored.start
+            self.vertices, self._begins = len(stored.length), stored.start
 
     @property
     def bytes(self) -> int:

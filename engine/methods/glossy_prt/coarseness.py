@@ -7,22 +7,19 @@ the mean of what their corners have.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engine.methods.glossy_prt.vertices import LIFT, Vertices
+from engine.methods.glossy_prt.visibility import TOGETHER, OpenParts
 from engine.numerics import cube_map
 from engine.scene.scene import Scene
 
 PLACES = 64  # triangles, picked by their area
 LAMPS = 64  # lights all over the sphere
 RADIUS = np.radians(10)  # of each
-TOGETHER = 64  # vertices
-
-OpenParts = Callable[[NDArray[np.float32], NDArray[np.float32]], NDArray[np.uint8]]
 
 
 def between_vertices(scene: Scene, vertices: Vertices, open_parts: OpenParts, n: int) -> float:

@@ -10,7 +10,6 @@ open vertex are made to integrate to π, so that white light gives what it ought
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 
 from engine.methods.glossy_prt.terms import Terms
 from engine.methods.glossy_prt.vertices import Vertices, frame
+from engine.methods.glossy_prt.visibility import TOGETHER, OpenParts
 from engine.numerics import cube_map
 from engine.numerics.cluster_basis import cluster
 from engine.numerics.frames import to_local
@@ -35,8 +35,6 @@ from engine.numerics.wavelet_vectors import (
     white_light,
 )
 
-OpenParts = Callable[[NDArray[np.float32], NDArray[np.float32]], NDArray[np.uint8]]
-TOGETHER = 64  # vertices whose visibility is found at a time
 SOURCE = "source_"  # before the names of the arrays of vectors that bounces are gathered from
 MOST = 1024  # wavelets of a vector that a cluster is made of
 

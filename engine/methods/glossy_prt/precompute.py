@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from dataclasses import asdict
 from functools import partial
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from engine.methods.chunks import Arrays, CallingThread, run_chunks
 from engine.methods.glossy_prt.coarseness import between_vertices
 from engine.methods.glossy_prt.compression import Job as ClusterJob
 from engine.methods.glossy_prt.compression import cluster_chunk
-from engine.methods.glossy_prt.direct import SOURCE, OpenParts, direct_chunk
+from engine.methods.glossy_prt.direct import SOURCE, direct_chunk
 from engine.methods.glossy_prt.direct import Job as DirectJob
 from engine.methods.glossy_prt.fits import fits_of
 from engine.methods.glossy_prt.gl_visibility import GlVisibility
@@ -28,7 +29,7 @@ from engine.methods.glossy_prt.settings import Settings
 from engine.methods.glossy_prt.terms import Terms, terms_of
 from engine.methods.glossy_prt.vertices import Vertices, build_vertices
 from engine.methods.glossy_prt.views import Maps, stack_maps
-from engine.methods.glossy_prt.visibility import open_parts
+from engine.methods.glossy_prt.visibility import OpenParts, open_parts
 from engine.numerics.cluster_basis import Clusters
 from engine.numerics.wavelet_vectors import WaveletVectors, added
 from engine.scene.scene import Scene
@@ -72,13 +73,10 @@ def _read(entry: Entry, settings: Settings, materials: int) -> Transport | None:
     found = entry.read("transport")
     if found is None:
         return None
-    kind = Clusters if settings.cluster_error else WaveletVectors
+    kind: type[Stored] = Clusters if settings.cluster_error else WaveletVectors
 
     def vectors(part: str) -> list[Stored]:
-        return [
-            kind(*(found.arrays[f"{part}-{m}-{name}"] for name in kind._fields))
-            for m in range(materials)
-        ]
+        return [_of(kind, found.arrays, f"{part}-{m}-") for m in range(materials)]
 
     bounced = vectors("bounced") if settings.bounces else []
     return Transport(vectors("direct"), bounced, found.meta["left"], found.meta["between"])
@@ -103,13 +101,10 @@ class _Run:
         first = np.concatenate([[0], np.cumsum(self._count)]).astype(np.int32)
         # Where the clusters of a material begin, and its end; a material of nothing has an empty
         # one.
-        begins = [
-            vertices.cluster[:-1][(vertices.cluster[:-1] >= a) & (vertices.cluster[:-1] < b)]
-            for a, b in itertools.pairwise(first)
-        ]
+        at = np.searchsorted(vertices.cluster, first)
         self._bounds = [
-            np.append(begin if len(begin) else a, b).astype(np.int32)
-            for begin, (a, b) in zip(begins, itertools.pairwise(first), strict=True)
+            np.append(vertices.cluster[low : max(high, low + 1)], first[m + 1])
+            for m, (low, high) in enumerate(itertools.pairwise(at))
         ]
 
     def transport(self) -> Transport:
@@ -148,12 +143,12 @@ class _Run:
             )
             made = self._made(f"direct-{m}", partial(direct_chunk, job), job.bounds, executor)
             if not s.cluster_error:
-                direct.append(_vectors(made))
-                sources.append(_vectors(made))
+                direct.append(_of(WaveletVectors, made))
+                sources.append(_of(WaveletVectors, made))
                 continue
-            direct.append(Clusters(*(made[name] for name in Clusters._fields)))
+            direct.append(_of(Clusters, made))
             if s.bounces:
-                sources.append(_vectors(made, SOURCE))
+                sources.append(_of(WaveletVectors, made, SOURCE))
         return direct, sources
 
     def _visibility(self) -> tuple[Executor, OpenParts]:
@@ -213,11 +208,9 @@ class _Run:
             tolerance=s.tolerance,
             channels=channels,
         )
-        return _vectors(
-            self._made(
-                f"bounce-{number}-{m}", partial(bounce_chunk, job), job.bounds, self._executor
-            )
-        )
+        name = f"bounce-{number}-{m}"
+        made = self._made(name, partial(bounce_chunk, job), job.bounds, self._executor)
+        return _of(WaveletVectors, made)
 
     def _clustered(self, m: int, vectors: WaveletVectors) -> Clusters:
         s, terms = self.settings, self.terms[m]
@@ -230,7 +223,7 @@ class _Run:
             error=BOUNCED * s.cluster_error,
         )
         made = self._made(f"clusters-{m}", partial(cluster_chunk, job), job.bounds, self._executor)
-        return Clusters(*(made[name] for name in Clusters._fields))
+        return _of(Clusters, made)
 
     def _made(
         self,
@@ -242,8 +235,12 @@ class _Run:
         return run_chunks(work, len(bounds) - 1, name, self._parts, executor, self._progress)
 
 
-def _vectors(arrays: Arrays, prefix: str = "") -> WaveletVectors:
-    return WaveletVectors(*(arrays[f"{prefix}{name}"] for name in WaveletVectors._fields))
+Kind = TypeVar("Kind", bound=Stored)
+
+
+def _of(kind: type[Kind], arrays: Mapping[str, NDArray[Any]], prefix: str = "") -> Kind:
+    """Vectors from their arrays by name."""
+    return kind(*(arrays[f"{prefix}{name}"] for name in kind._fields))
 
 
 def _is_grey(terms: Terms) -> bool:

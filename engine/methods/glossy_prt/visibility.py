@@ -9,6 +9,7 @@ that rays go to silhouettes. What is so small that no coarse ray meets it is mis
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numba import njit
@@ -19,6 +20,11 @@ from engine.numerics.vec import dot, vec
 from engine.scene.rays import RayTracer
 
 OPEN, BLOCKED, UNKNOWN, BELOW = 0, 1, 2, 3
+
+OpenParts = Callable[[NDArray[np.float32], NDArray[np.float32]], NDArray[np.uint8]]
+"""`open_parts` of (eye, normal) for one scene and one resolution, however it is found."""
+
+TOGETHER = 64  # vertices whose visibility is found at a time: it takes much memory
 
 
 def open_parts(
