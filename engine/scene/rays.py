@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from engine.errors import SceneError
 from engine.numerics.parallel import for_ranges
 
-GRAIN = 16384
+GRAIN = 4096
 
 
 class Hits(NamedTuple):

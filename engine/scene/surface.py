@@ -30,11 +30,21 @@ def position(geometry, triangle, b1, b2):
 @njit
 def geometric_normal(geometry, triangle):
     """Unit normal of the flat triangle, on its counter-clockwise side."""
+    return normalize(_across(geometry, triangle))
+
+
+@njit
+def shows_front(geometry, triangle, w):
+    """Whether the triangle's counter-clockwise side is seen from direction w."""
+    return dot(_across(geometry, triangle), w) > 0.0
+
+
+@njit
+def _across(geometry, triangle):
+    """Along the normal, twice as long as the triangle has area."""
     a, b, c = geometry.triangles[triangle]
     pa = vec(geometry.positions, a)
-    return normalize(
-        cross(sub(vec(geometry.positions, b), pa), sub(vec(geometry.positions, c), pa))
-    )
+    return cross(sub(vec(geometry.positions, b), pa), sub(vec(geometry.positions, c), pa))
 
 
 @njit

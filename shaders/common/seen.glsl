@@ -1,4 +1,4 @@
-// What rays from the eye meet; twin of `Seen`, `on_triangle` and `_meet` on the CPU.
+// What rays from the eye meet; twin of `Seen` on the CPU (`engine.methods.glossy_prt.view`).
 
 #include "common/triangles.glsl"
 

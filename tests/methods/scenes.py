@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from engine.scene.build import build
+from engine.scene.builtin import knot
 from engine.scene.camera import Camera
 from engine.scene.edits import edited_camera
 from engine.scene.open import describe, open_scene
@@ -66,6 +67,16 @@ def rectangle(name: str, size: Any, translate: Any, rotate: Any = (0, 0, 0)) -> 
         "mesh": {"shape": "rectangle", "size": size},
         "transform": {"translate": translate, "rotate_degrees": rotate},
     }
+
+
+def small_knot(width: int = 96, height: int = 96, segments: int = 192) -> Scene:
+    """The built-in knot of fewer triangles in a small picture."""
+    document = knot.document()
+    document["camera"] |= {"width": width, "height": height}
+    body, floor = document["objects"]
+    body["mesh"] |= {"segments": segments, "sides": 16}
+    floor["mesh"]["segments"] = [24, 24]
+    return build(describe(document), Path())
 
 
 def hall(lights: list[dict[str, Any]], size: int = 32) -> Scene:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from engine.methods.glossy_prt.direct import light_vector
 from engine.methods.glossy_prt.terms import Terms
 from engine.methods.glossy_prt.vertices import Vertices, frame
-from engine.methods.glossy_prt.views import Maps, corner_views
+from engine.methods.glossy_prt.views import Maps, view_vectors
 from engine.numerics import cube_map
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import to_local
@@ -34,6 +34,7 @@ from engine.numerics.wavelet_vectors import (
     room_for,
     white_light,
 )
+from engine.scene import surface
 from engine.scene.scene import Scene
 
 
@@ -148,15 +149,15 @@ def _gather(
         factor = np.zeros((len(source), wide, channels * terms), np.float32)
         count = 0
         for r in here:
-            if triangle[r] < 0:
-                continue
             w = vec(directions, cell[r])
-            seen = corner_views(
-                geometry, materials, vertices, maps, triangle[r], b1[r], b2[r], scale(w, -1.0),
-                row, h,
-            )  # fmt: skip
-            if seen == 0:
+            back = scale(w, -1.0)
+            if triangle[r] < 0 or not surface.shows_front(geometry, triangle[r], back):
                 continue
+            rows = view_vectors(
+                geometry, materials, vertices, maps, triangle[r], b1[r], b2[r], back, row, h
+            )
+            seen = maps.terms[geometry.material[triangle[r]]]
+            weights = (1.0 - b1[r] - b2[r], np.float64(b1[r]), np.float64(b2[r]))
             light_vector(light, size, to_local(w, s, t, n), 1.0, g)
             unit = np.pi / whole * dot(n, vec(areas, cell[r]))
             for corner in range(3):
@@ -166,9 +167,10 @@ def _gather(
                     source[count] = v
                     count += 1
                 f = factor[slot[v]]
+                mine = h[corner if rows == 3 else 0]
                 for k in range(seen):
                     for c in range(channels):
-                        shine = np.float32(unit * h[corner, 3 * k + c])
+                        shine = np.float32(unit * weights[corner] * mine[3 * k + c])
                         own = c * terms if light_channels == 3 else 0
                         for q in range(terms):
                             f[k, c * terms + q] += shine * g[own + q]

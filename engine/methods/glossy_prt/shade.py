@@ -1,6 +1,6 @@
 """Colours of what a camera sees, from light-dependent vectors of corners: `glossy_prt` §4.3.
 
-What `corner_views` finds for every ray depends on the camera alone (eq. 5). It is found once for a
+What `view_vectors` finds for every ray depends on the camera alone (eq. 5). It is found once for a
 camera, so that a new light is a few products a pixel.
 """
 
@@ -16,7 +16,7 @@ from engine.light.environment import Environment
 from engine.light.environment_samples import seen_radiance
 from engine.methods.glossy_prt.vertices import Vertices
 from engine.methods.glossy_prt.view import Seen
-from engine.methods.glossy_prt.views import Maps, corner_views, first_row
+from engine.methods.glossy_prt.views import Maps, first_row, rows_of, view_vectors
 from engine.numerics.borrow import borrow
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import scale, vec
@@ -26,8 +26,9 @@ from engine.scene.scene import Scene
 class Responses(NamedTuple):
     """View-dependent vectors of m rays.
 
-    start  (m + 1,) int64   where those of a ray begin in h: none, one of 3 K numbers for all
-                            corners of its triangle, or one for each, times its barycentric
+    start  (m + 1,) int64   where those of a ray begin in h: none where it
+                            meets nothing or a back, one of 3 K numbers for all
+                            corners of its triangle, or one for each
     h      float32
     """
 
@@ -43,7 +44,7 @@ def respond(scene: Scene, vertices: Vertices, maps: Maps, seen: Seen) -> Respons
     h = np.zeros(start[-1], np.float32)
     for_ranges(
         _fill, len(seen.triangle), scene.geometry, scene.material_table, vertices, maps, seen,
-        int(maps.terms.max()), start, h, grain=2048,
+        start, h, grain=2048,
     )  # fmt: skip
     return Responses(start, h)
 
@@ -71,45 +72,31 @@ def shade(
     return out
 
 
-@njit
-def _one_frame(vertices, maps, t, m):
-    """Whether one vector serves the corners of triangle t of material m, see `corner_views`."""
-    return vertices.smooth[t] or maps.size[m] == 1
-
-
 @njit(cache=True, nogil=True)
 def _count(begin, end, geometry, vertices, maps, seen, out):
     geometry, vertices = borrow(geometry), borrow(vertices)
     maps, seen = borrow(maps), borrow(seen)
     for i in range(begin, end):
         t = seen.triangle[i]
-        if t >= 0:
+        if t >= 0 and seen.front[i]:
             m = geometry.material[t]
-            out[i] = 3 * maps.terms[m] * (1 if _one_frame(vertices, maps, t, m) else 3)
+            out[i] = 3 * maps.terms[m] * rows_of(vertices, maps, t, m)
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _fill(begin, end, geometry, materials, vertices, maps, seen, most, start, out):
+def _fill(begin, end, geometry, materials, vertices, maps, seen, start, out):
     geometry, materials, maps = borrow(geometry), borrow(materials), borrow(maps)
     vertices, seen, out = borrow(vertices), borrow(seen), borrow(out)
-    own, own_h = np.zeros(materials.row.shape[1], np.float32), np.zeros((3, 3 * most), np.float32)
-    row, h = borrow(own), borrow(own_h)
+    own = np.zeros(materials.row.shape[1], np.float32)
+    row = borrow(own)
     for i in range(begin, end):
         t = seen.triangle[i]
-        if t < 0:
+        if t < 0 or not seen.front[i]:
             continue
+        wide = 3 * maps.terms[geometry.material[t]]
         w = scale(vec(seen.away, i), -1.0)
-        wide = 3 * corner_views(
-            geometry, materials, vertices, maps, t, seen.b1[i], seen.b2[i], w, row, h
-        )
-        into = out[start[i] : start[i + 1]]
-        if into.shape[0] == wide:
-            for q in range(wide):
-                into[q] = h[0, q] + h[1, q] + h[2, q]
-        else:
-            for corner in range(3):
-                for q in range(wide):
-                    into[corner * wide + q] = h[corner, q]
+        into = out[start[i] : start[i + 1]].reshape(-1, wide)
+        view_vectors(geometry, materials, vertices, maps, t, seen.b1[i], seen.b2[i], w, row, into)
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
@@ -120,27 +107,27 @@ def _shade(begin, end, geometry, materials, vertices, maps, lit, seen, start, h,
         t = seen.triangle[i]
         if t < 0:
             continue
-        m, n, at = geometry.material[t], start[i + 1] - start[i], start[i]
+        m, at = geometry.material[t], start[i]
         wide = 3 * maps.terms[m]
         a = 3 * first_row(maps, vertices, m, vertices.corners[t, 0])
         b = 3 * first_row(maps, vertices, m, vertices.corners[t, 1])
         c = 3 * first_row(maps, vertices, m, vertices.corners[t, 2])
+        v, w = seen.b1[i], seen.b2[i]
+        u = np.float32(1) - v - w
         red = green = blue = np.float32(0)
-        if n == wide:
-            v, w = seen.b1[i], seen.b2[i]
-            u = np.float32(1) - v - w
+        rows = (start[i + 1] - at) // wide
+        if rows == 1:
             for q in range(0, wide, 3):
                 red += h[at + q] * (u * flat[a + q] + v * flat[b + q] + w * flat[c + q])
                 q1, q2 = q + 1, q + 2
                 green += h[at + q1] * (u * flat[a + q1] + v * flat[b + q1] + w * flat[c + q1])
                 blue += h[at + q2] * (u * flat[a + q2] + v * flat[b + q2] + w * flat[c + q2])
-        else:
-            for corner, first in enumerate((a, b, c)):
-                mine = at + corner * wide
+        elif rows == 3:
+            for weight, mine, first in ((u, at, a), (v, at + wide, b), (w, at + 2 * wide, c)):
                 for q in range(0, wide, 3):
-                    red += h[mine + q] * flat[first + q]
-                    green += h[mine + q + 1] * flat[first + q + 1]
-                    blue += h[mine + q + 2] * flat[first + q + 2]
+                    red += weight * h[mine + q] * flat[first + q]
+                    green += weight * h[mine + q + 1] * flat[first + q + 1]
+                    blue += weight * h[mine + q + 2] * flat[first + q + 2]
         zero = np.float32(0)
         out[i, 0] = max(zero, red) + materials.emission[m, 0]
         out[i, 1] = max(zero, green) + materials.emission[m, 1]

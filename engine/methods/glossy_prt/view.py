@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.backend.cpu.raster import on_triangle, visible_triangles
+from engine.backend.cpu.raster import draw
 from engine.light.environment_samples import places_on_map
 from engine.numerics.borrow import borrow
 from engine.numerics.parallel import for_ranges
-from engine.numerics.vec import normalize
+from engine.numerics.vec import dot, scale, vec
+from engine.scene import surface
 from engine.scene.camera import SUBSAMPLES, Camera
 from engine.scene.scene import Scene
 
@@ -25,6 +27,7 @@ class Seen(NamedTuple):
 
     triangle  (m,) int32       -1 where nothing
     b1, b2    (m,) float32     barycentrics of its second and third corner
+    front     (m,) bool        whether its counter-clockwise side is seen
     distance  (m,) float32     metres; infinity where nothing
     away      (m, 3) float32   unit, from the eye
     beyond    (b,) int64       rays that meet nothing
@@ -34,6 +37,7 @@ class Seen(NamedTuple):
     triangle: NDArray[np.int32]
     b1: NDArray[np.float32]
     b2: NDArray[np.float32]
+    front: NDArray[np.bool_]
     distance: NDArray[np.float32]
     away: NDArray[np.float32]
     beyond: NDArray[np.int64]
@@ -78,8 +82,18 @@ def _cast(scene: Scene, camera: Camera, x: NDArray[Any], y: NDArray[Any]) -> See
     away = camera.directions(x, y)
     eye = np.tile(np.array(camera.position, np.float32), (len(away), 1))
     hits = scene.rays.intersect(eye, away)
-    beyond = _beyond(hits.triangle, away)
-    return Seen(hits.triangle, hits.b1, hits.b2, hits.distance, away, *beyond)
+    front = np.zeros(len(away), np.bool_)
+    for_ranges(_face, len(away), scene.geometry, hits.triangle, away, front)
+    return Seen(
+        hits.triangle, hits.b1, hits.b2, front, hits.distance, away, *_beyond(hits.triangle, away)
+    )
+
+
+@njit(cache=True, nogil=True)
+def _face(start, stop, geometry, triangle, away, front):
+    for i in range(start, stop):
+        if triangle[i] >= 0:
+            front[i] = surface.shows_front(geometry, triangle[i], scale(vec(away, i), -1.0))
 
 
 def _beyond(
@@ -92,41 +106,35 @@ def _beyond(
 def _rasterise(scene: Scene, camera: Camera, step: int, shape: tuple[int, int]) -> Seen | None:
     """What rays through all pixels' centres meet; None where something is too near for that."""
     geometry, eye, to_pixels = scene.geometry, np.array(camera.position), camera.to_pixels(step)
-    found = visible_triangles(
+    drawn = draw(
         geometry.positions, geometry.triangles, eye, to_pixels, NEAR * scene.diagonal, shape
     )
-    if found is None:
+    if drawn is None:
         return None
-    n = len(found)
-    b1, b2, distance = np.zeros((3, n), np.float32)
-    away = np.zeros((n, 3), np.float32)
-    from_pixels = np.linalg.inv(to_pixels)
-    for_ranges(
-        _meet, n, geometry.positions, geometry.triangles, eye, from_pixels, shape[1], found,
-        b1, b2, distance, away,
-    )  # fmt: skip
-    return Seen(found, b1, b2, distance, away, *_beyond(found, away))
+    distance = np.zeros(len(drawn.triangle), np.float32)
+    away = np.zeros((len(distance), 3), np.float32)
+    for_ranges(_aim, len(away), np.linalg.inv(to_pixels), shape[1], drawn.inverse, distance, away)
+    triangle, b1, b2, _, front = drawn
+    return Seen(triangle, b1, b2, front, distance, away, *_beyond(triangle, away))
 
 
-@njit(cache=True, nogil=True)
-def _meet(
-    start, stop, positions, triangles, eye, from_pixels, width, triangle, b1, b2, distance, away
-):
-    """Fill in where the rays through pixels meet the triangles that they show."""
-    e, m = (eye[0], eye[1], eye[2]), from_pixels
+@njit(cache=True, nogil=True, error_model="numpy")
+def _aim(start, stop, from_pixels, width, inverse, distance, away):
+    """Fill in where the rays through pixels go, and how far."""
+    m = from_pixels
     for i in range(start, stop):
         x, y = float(i % width), float(i // width)
-        w = normalize((
+        # One metre deep.
+        w = (
             m[0, 0] * x + m[0, 1] * y + m[0, 2],
             m[1, 0] * x + m[1, 1] * y + m[1, 2],
             m[2, 0] * x + m[2, 1] * y + m[2, 2],
-        ))  # fmt: skip
+        )
+        length = math.sqrt(dot(w, w))
+        unit = 1.0 / length
+        distance[i] = length / inverse[i]
         for axis in range(3):
-            away[i, axis] = w[axis]
-        distance[i] = np.inf
-        if triangle[i] >= 0:
-            u, v, far = on_triangle(positions, triangles, triangle[i], e, w)
-            b1[i], b2[i], distance[i] = u, v, far
+            away[i, axis] = unit * w[axis]
 
 
 @njit(cache=True, nogil=True)
@@ -135,24 +143,18 @@ def _find_edges(start, stop, geometry, seen, width, edge):
     geometry, seen = borrow(geometry), borrow(seen)
     n = edge.shape[0]
     for i in range(start, stop):
-        x = i % width
-        for j in (
-            i - 1 if x > 0 else i,
-            i + 1 if x + 1 < width else i,
-            i - width if i >= width else i,
-            i + width if i + width < n else i,
-        ):
-            a, b = seen.triangle[i], seen.triangle[j]
+        a = seen.triangle[i]
+        # Each pair of neighbours once; threads that meet at a row mark its pixels alike.
+        for j in (i + 1 if (i + 1) % width else i, i + width if i + width < n else i):
+            b = seen.triangle[j]
             if a == b:
                 continue
-            if a < 0 or b < 0:
-                edge[i] = True
-                break
-            near, far = seen.distance[i], seen.distance[j]
-            if (
-                geometry.material[a] != geometry.material[b]
-                or geometry.object[a] != geometry.object[b]
-                or abs(near - far) > STEP * min(near, far)
-            ):
-                edge[i] = True
-                break
+            if a >= 0 and b >= 0:
+                near, far = seen.distance[i], seen.distance[j]
+                if (
+                    abs(near - far) <= STEP * min(near, far)
+                    and geometry.material[a] == geometry.material[b]
+                    and geometry.object[a] == geometry.object[b]
+                ):
+                    continue
+            edge[i] = edge[j] = True

@@ -64,41 +64,46 @@ def first_row(maps, vertices, material, vertex):
     return maps.first[material] + (vertex - maps.vertex[material]) * maps.terms[material]
 
 
-@njit(fastmath={"contract", "reassoc"})
-def corner_views(geometry, materials, vertices, maps, t, b1, b2, w, row, out):
-    """Fill out (3, 3 K): h_k(w) for each corner of triangle t, times the corner's barycentric.
+@njit
+def rows_of(vertices, maps, t, m):
+    """1 where one view-dependent vector serves all corners of triangle t of material m, else 3.
 
-    Three channels of every term. What is seen from direction w at (b1, b2) is the sum over corners
-    and terms of that times the light-dependent vectors. Returns K, 0 where the triangle shows its
-    back. row (ROW,) is scratch.
+    A constant needs no frame; frames that turn by too much to go between are taken one by one.
     """
-    if dot(surface.geometric_normal(geometry, t), w) <= 0.0:
-        return 0
+    return 1 if vertices.smooth[t] or maps.size[m] == 1 else 3
+
+
+# Inlined by Numba: a call would copy the descriptors of three dozen arrays, which takes longer than
+# all the rest.
+@njit(inline="always")
+def view_vectors(geometry, materials, vertices, maps, t, b1, b2, w, row, out):
+    """Fill out (1 or 3, at least 3 K), see `rows_of`: h_k(w) in three channels, term by term.
+
+    What is seen from direction w at (b1, b2) of triangle t is the sum over terms of that times the
+    light-dependent vectors between the corners, or of the corners times their barycentrics. row
+    (ROW,) is scratch. Returns the number of rows.
+    """
     m = geometry.material[t]
-    count, size = maps.terms[m], maps.size[m]
-    tint = (1.0, 1.0, 1.0)
+    size, first, rows = maps.size[m], maps.texel[m], rows_of(vertices, maps, t, m)
+    for r in range(rows):
+        h = out[r, : 3 * maps.terms[m]]
+        if size == 1:
+            for q in range(h.shape[0]):
+                h[q] = maps.h[3 * first + q]
+        else:
+            s, t_, n = _between(vertices, t, b1, b2) if rows == 1 else _own(vertices, t, r)
+            x, y, z = to_local(w, s, t_, n)
+            if z < LOWEST:
+                x, y, z = normalize((x, y, LOWEST))
+            taps, (fx, fy) = disk_taps((x, y, z), size)
+            _mix(maps.h, first, taps, np.float32(fx), np.float32(fy), h)
     if maps.textured[m]:
         surface.parameters(geometry, materials, t, b1, b2, w, row)
         tint = diffuse_colour(row)
-    weights = (np.float32(1.0 - b1 - b2), np.float32(b1), np.float32(b2))
-    # A constant needs no frame; frames that turn by too much to go between are taken one by one.
-    together = vertices.smooth[t] or size == 1
-    h = out[2, : 3 * count]
-    for corner in range(3):
-        if corner == 0 or not together:
-            if size == 1:
-                h[:] = maps.h[3 * maps.texel[m] : 3 * (maps.texel[m] + count)]
-            else:
-                axes = _between(vertices, t, weights) if together else _own(vertices, t, corner)
-                x, y, z = to_local(w, axes[0], axes[1], axes[2])
-                taps, (fx, fy) = disk_taps(normalize((x, y, max(z, LOWEST))), size)
-                _mix(maps.h, maps.texel[m], taps, np.float32(fx), np.float32(fy), h)
+        for r in range(rows):
             for c in range(3):
-                h[c] *= np.float32(tint[c])
-        weight, into = weights[corner], out[corner]
-        for q in range(h.shape[0]):
-            into[q] = weight * h[q]
-    return count
+                out[r, c] *= np.float32(tint[c])
+    return rows
 
 
 @njit(fastmath={"contract", "reassoc"})
@@ -120,13 +125,13 @@ def _own(vertices, t, corner):
 
 
 @njit
-def _between(vertices, t, weights):
+def _between(vertices, t, b1, b2):
     """The frame (s, t, n) at barycentrics of a triangle."""
     n, s = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    for corner in range(3):
+    for corner, weight in enumerate((1.0 - b1 - b2, np.float64(b1), np.float64(b2))):
         v = vertices.corners[t, corner]
-        n = add(n, scale(vec(vertices.normal, v), weights[corner]))
-        s = add(s, scale(vec(vertices.tangent, v), weights[corner]))
+        n = add(n, scale(vec(vertices.normal, v), weight))
+        s = add(s, scale(vec(vertices.tangent, v), weight))
     n = normalize(n)
     s = normalize(sub(s, scale(n, dot(s, n))))
     return s, cross(n, s), n

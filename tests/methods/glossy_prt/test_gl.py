@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from methods.glossy_prt.test_glossy_prt import BRUSHED, GREY, SMALL, ball, still_life
-from methods.scenes import camera, rectangle
+from methods.scenes import camera, rectangle, small_knot
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -24,7 +24,6 @@ from engine.methods import prepare
 from engine.methods.glossy_prt import Prt, Settings
 from engine.methods.glossy_prt.gl_prt import GlPrt
 from engine.scene.build import build
-from engine.scene.builtin import knot
 from engine.scene.edits import Edits
 from engine.scene.open import describe
 from engine.scene.scene import Scene
@@ -60,16 +59,6 @@ def assert_same(product: Prt, edits: Edits = Edits(), scale: int = 1) -> NDArray
     assert np.isfinite(ours.image).all()
     assert np.linalg.norm(ours.image - theirs.image) <= SAME * np.linalg.norm(theirs.image)
     return ours.image
-
-
-def small_knot(width: int = 96, height: int = 96, segments: int = 192) -> Scene:
-    """The built-in knot of fewer triangles in a small picture."""
-    document = knot.document()
-    document["camera"] |= {"width": width, "height": height}
-    body, floor = document["objects"]
-    body["mesh"] |= {"segments": segments, "sides": 16}
-    floor["mesh"]["segments"] = [24, 24]
-    return build(describe(document), Path())
 
 
 def with_texture(folder: Path, material: dict[str, Any]) -> Scene:
