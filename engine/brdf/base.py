@@ -17,6 +17,8 @@ the specular reflectance is black, every model is Lambert's of the diffuse one:
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -37,6 +39,9 @@ GRAIN = ROW - 2
 
 class Material(Description):
     """What every material has, whatever its model."""
+
+    gloss_is_linear: ClassVar[bool] = False
+    """Whether the specular reflectance is a factor of all that is not matt."""
 
     emission: Radiance = Field((0.0, 0.0, 0.0), description="radiance emitted, W·sr⁻¹·m⁻²")
 

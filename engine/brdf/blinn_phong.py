@@ -31,6 +31,7 @@ GRAZING = 1e-12  # a half vector this close to perpendicular to wo mirrors nothi
 class BlinnPhong(Material):
     """A matt or glossy plastic whose highlights lengthen towards grazing angles."""
 
+    gloss_is_linear = True
     type: Literal["blinn_phong"] = "blinn_phong"
     diffuse: Annotated[Reflectance, Field(description="k_d, reflectance of the base")] = (
         0.5,

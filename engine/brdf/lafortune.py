@@ -61,6 +61,7 @@ class Lobe(Description):
 class Lafortune(Material):
     """Clay, skin, paint and other fits to measurements."""
 
+    gloss_is_linear = True
     type: Literal["lafortune"] = "lafortune"
     diffuse: Annotated[Reflectance, Field(description="ρ_d, reflectance of the base")] = (
         0.5,

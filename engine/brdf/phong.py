@@ -26,6 +26,7 @@ from engine.numerics.vec import add, dot, scale
 class Phong(Material):
     """A matt or glossy plastic."""
 
+    gloss_is_linear = True
     type: Literal["phong"] = "phong"
     diffuse: Annotated[Reflectance, Field(description="k_d, reflectance of the base")] = (
         0.5,

@@ -104,6 +104,20 @@ def test_black_reflects_nothing(description: type[Material]) -> None:
 
 
 @every_model
+def test_whether_gloss_is_linear(description: type[Material]) -> None:
+    """Half of the specular reflectance, half of all that is not matt: where a model says so."""
+    if "specular" not in colours(description):
+        assert not description.gloss_is_linear
+        return
+    wi, wo = direction(30, 200), direction(50, 20)
+    black, half, whole = (
+        evaluate(INDEX[description], description(specular=(s,) * 3).row(), wi, wo)
+        for s in (0.0, 0.3, 0.6)
+    )
+    assert np.allclose(2 * (half - black), whole - black, rtol=1e-5) == description.gloss_is_linear
+
+
+@every_model
 def test_linear_in_colour(description: type[Material]) -> None:
     """Channels do not mix: a red material's green and blue are black's."""
     for name in colours(description):

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from engine.measure.levels import clustered, smooth, subdivided, with_vertices
+from engine.measure.levels import smooth, subdivided, with_vertices
 from engine.measure.stage import ball, knot
 from engine.scene.part import Part
+from engine.scene.simplify import clustered
 
 
 def area(part: Part) -> float:
@@ -48,7 +49,8 @@ def test_cutting_in_four_keeps_the_surface() -> None:
 
 def test_clusters_leave_no_triangle_without_area() -> None:
     part = knot(64, 8).part
-    positions, triangles = clustered(part.positions, part.triangles, 150)
+    positions, triangles, size = clustered(part.positions, part.triangles, 150)
+    assert 0.01 < size < 0.5
     assert len(positions) == pytest.approx(150, rel=0.1)
     a, b, c = np.sort(triangles, axis=1).T
     assert (a < b).all()

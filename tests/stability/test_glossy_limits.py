@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from methods.scenes import camera, rectangle, scene
+from methods.scenes import camera, rectangle, scene, small_knot
 from numpy.typing import NDArray
 
 from engine.images import write_image
@@ -253,6 +253,22 @@ def test_coarse_meshes_are_told_by_how_much_they_are_off(make: Make) -> None:
     assert said[0] > said[1] > said[2] == 0
     assert true[2] < 0.1
     assert "mesh_too_coarse" not in {w.code for w in fine.warnings}
+
+
+def test_simpler_occluders_are_told_by_how_much_they_are_off(make: Make) -> None:
+    """Of a knot that shadows itself, against the scene's own triangles: what is said, and true."""
+    tied = small_knot(48, 48)
+    exact = make(tied).relight(Edits())
+    said, true = [], []
+    for vertices in (1500, 400, 100):
+        found = make(tied, occluder_vertices=vertices).relight(Edits())
+        true.append(off(found.image, exact.image))
+        said.append({w.code: w.size for w in found.warnings}.get("occluders_too_simple", 0))
+    assert true[0] < true[1] < true[2]
+    assert said[0] < said[1] < said[2]
+    assert true[0] < 0.1
+    assert said[2] > 0.05
+    assert "occluders_too_simple" not in {w.code for w in exact.warnings}
 
 
 def test_borders_of_clusters_fade_with_their_error(make: Make) -> None:

@@ -1,8 +1,9 @@
-"""How far off transport is between the vertices of a mesh, measured where nothing is stored.
+"""How far off shadows are on coarse meshes, and of simpler ones, measured in each scene.
 
 Transport is found at vertices and mixed between them (`glossy_prt` §4.3), so that shadows are as
 sharp as the mesh is fine. Here irradiance is found anew in the middle of triangles and held against
-the mean of what their corners have.
+the mean of what their corners have. Where visibility is that of a simpler model (§5.1), irradiance
+at vertices is held against that of the scene itself.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from engine.numerics import cube_map
 from engine.scene.scene import Scene
 
 PLACES = 64  # triangles, picked by their area
+SIMPLER_PLACES = 256  # vertices
 LAMPS = 64  # lights all over the sphere
 RADIUS = np.radians(10)  # of each
 
@@ -45,6 +47,17 @@ def between_vertices(scene: Scene, vertices: Vertices, open_parts: OpenParts, n:
     mixed = at_corners.reshape(PLACES, 3, LAMPS).mean(axis=1)
     true = _irradiance(eye.astype(np.float32), normal.astype(np.float32), open_parts, n)
     return float(np.linalg.norm(mixed - true)) / max(float(np.linalg.norm(true)), 1e-30)
+
+
+def of_simpler(vertices: Vertices, simpler: OpenParts, exact: OpenParts, n: int) -> float:
+    """Relative L2 error of irradiance at vertices, under the same lamps."""
+    count = len(vertices.eye)
+    picked = np.random.default_rng(0).choice(count, min(SIMPLER_PLACES, count), replace=False)
+    ours, true = (
+        _irradiance(vertices.eye[picked], vertices.normal[picked], open_parts, n)
+        for open_parts in (simpler, exact)
+    )
+    return float(np.linalg.norm(ours - true)) / max(float(np.linalg.norm(true)), 1e-30)
 
 
 def _irradiance(

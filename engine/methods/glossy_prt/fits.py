@@ -10,13 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.brdf.base import DIFFUSE, Material
+from engine.brdf.base import DIFFUSE, SPECULAR, Material
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.factored import Factored
 from engine.brdf.fit import Fit, fit_diagnosis, fit_of
 from engine.diagnosis import Diagnosis
 from engine.methods.base import MaterialFit, Progress
-from engine.methods.glossy_prt.terms import Terms
+from engine.methods.glossy_prt.terms import BOTH_VARY, Terms
 from engine.scene.scene import Scene
 from engine.store import Entry
 
@@ -66,4 +66,6 @@ def _factored(terms: Terms, material: Material) -> Factored:
     if terms.textured:
         view = view.copy()
         view[:, :, 0] *= material.row()[DIFFUSE : DIFFUSE + 3]
+    if terms.textured == BOTH_VARY:
+        view[:, :, 1:] *= material.row()[SPECULAR : SPECULAR + 3]
     return Factored(np.broadcast_to(terms.light, view.shape), view)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from engine.backend.gl.context import Device, Uploads, gl_errors
 from engine.backend.gl.seen import Seen, Sight
-from engine.brdf.base import DIFFUSE
+from engine.brdf.base import DIFFUSE, SPECULAR
 from engine.light.environment import Environment, is_same
 from engine.light.environment_samples import RIM
 from engine.light.far_disk import NO_DISK, radius_of
@@ -33,13 +33,14 @@ MATERIAL = np.dtype(
         ("first", np.int32),
         ("diffuse", np.float32, 3),
         ("vertex", np.int32),
+        ("specular", np.float32, 3),
         ("terms", np.int32),
+        ("diffuse_map", np.int32, 3),
         ("size", np.int32),
+        ("specular_map", np.int32, 3),
         ("texel", np.int32),
-        ("texture", np.int32),
-        ("width", np.int32),
-        ("height", np.int32),
-        ("unused", np.int32, 2),
+        ("textured", np.int32),
+        ("unused", np.int32, 3),
     ]
 )
 VERTEX = np.dtype([("normal", np.float32, 4), ("tangent", np.float32, 4)])
@@ -152,12 +153,13 @@ def _packed_vertices(vertices: Vertices) -> NDArray[Any]:
 def _packed_materials(table: MaterialTable, maps: Maps) -> NDArray[Any]:
     packed = np.zeros(len(maps.terms), MATERIAL)
     packed["emission"], packed["diffuse"] = table.emission, table.row[:, DIFFUSE : DIFFUSE + 3]
-    for name in ("first", "vertex", "terms", "size", "texel"):
+    packed["specular"] = table.row[:, SPECULAR : SPECULAR + 3]
+    for name in ("first", "vertex", "terms", "size", "texel", "textured"):
         packed[name] = getattr(maps, name)
-    packed["texture"] = -1
-    for m in np.flatnonzero(maps.textured):
-        first, width, height = table.texture[table.maps[m, 0]]
-        packed["texture"][m], packed["width"][m], packed["height"][m] = first, width, height
+    for slot, name in enumerate(("diffuse_map", "specular_map")):
+        packed[name] = -1
+        for m in np.flatnonzero(table.maps[:, slot] >= 0):
+            packed[name][m] = table.texture[table.maps[m, slot]]
     return packed
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from engine.methods.base import Progress
 from engine.methods.chunks import Arrays, CallingThread, run_chunks
-from engine.methods.glossy_prt.coarseness import between_vertices
+from engine.methods.glossy_prt.coarseness import between_vertices, of_simpler
 from engine.methods.glossy_prt.compression import Job as ClusterJob
 from engine.methods.glossy_prt.compression import cluster_chunk
 from engine.methods.glossy_prt.direct import SOURCE, direct_chunk
@@ -24,6 +24,8 @@ from engine.methods.glossy_prt.fits import fits_of
 from engine.methods.glossy_prt.gl_visibility import GlVisibility
 from engine.methods.glossy_prt.interreflection import Job as BounceJob
 from engine.methods.glossy_prt.interreflection import Sources, bounce_chunk, stack
+from engine.methods.glossy_prt.measured import Measured
+from engine.methods.glossy_prt.occluders import Occluders, occluders
 from engine.methods.glossy_prt.product import NAME, Prt, Stored, Transport
 from engine.methods.glossy_prt.settings import Settings
 from engine.methods.glossy_prt.terms import Terms, terms_of
@@ -36,7 +38,7 @@ from engine.scene.scene import Scene
 from engine.store import Entry, Store
 
 BOUNCED = 2  # times the error of direct transport: there is so much less bounced light
-VERSION = 5  # of the stored arrays and of what they mean
+VERSION = 6  # of the stored arrays and of what they mean
 
 
 def precompute(
@@ -66,7 +68,7 @@ def _write(transport: Transport, entry: Entry) -> None:
         for m, vectors in enumerate(of_materials)
         for name, array in vectors._asdict().items()
     }
-    entry.write("transport", arrays, {"left": transport.left, "between": transport.between})
+    entry.write("transport", arrays, transport.measured._asdict())
 
 
 def _read(entry: Entry, settings: Settings, materials: int) -> Transport | None:
@@ -79,7 +81,7 @@ def _read(entry: Entry, settings: Settings, materials: int) -> Transport | None:
         return [_of(kind, found.arrays, f"{part}-{m}-") for m in range(materials)]
 
     bounced = vectors("bounced") if settings.bounces else []
-    return Transport(vectors("direct"), bounced, found.meta["left"], found.meta["between"])
+    return Transport(vectors("direct"), bounced, Measured(**found.meta))
 
 
 class _Run:
@@ -97,6 +99,7 @@ class _Run:
     ) -> None:
         self.scene, self.settings, self.vertices, self.terms = scene, settings, vertices, terms
         self._parts, self._executor, self._progress = parts, executor, progress
+        self._occluders = occluders(scene, settings.occluder_vertices)
         self._count = np.bincount(vertices.material, minlength=len(terms))
         first = np.concatenate([[0], np.cumsum(self._count)]).astype(np.int32)
         # Where the clusters of a material begin, and its end; a material of nothing has an empty
@@ -112,15 +115,19 @@ class _Run:
         direct, sources = self._direct()
         self._progress("between vertices", 0, 1)
         n = self.settings.light_texels
-        between = between_vertices(self.scene, self.vertices, self._by_rays(), n)
+        exact = self._by_rays(occluders(self.scene))
+        between = between_vertices(self.scene, self.vertices, exact, n)
+        simpler = 0.0
+        if self.settings.occluder_vertices:
+            simpler = of_simpler(self.vertices, self._by_rays(self._occluders), exact, n)
         self._progress("between vertices", 1, 1)
         if not self.settings.bounces:
-            return Transport(direct, [], 0.0, between)
+            return Transport(direct, [], Measured(0.0, between, simpler))
         found, left = self._bounced(sources)
         bounced: list[Stored] = list(found)
         if self.settings.cluster_error:
             bounced = [self._clustered(m, v) for m, v in enumerate(found)]
-        return Transport(direct, bounced, left, between)
+        return Transport(direct, bounced, Measured(left, between, simpler))
 
     def _direct(self) -> tuple[list[Stored], list[WaveletVectors]]:
         """(direct transport, the vectors that bounces are gathered from)."""
@@ -156,13 +163,13 @@ class _Run:
         s = self.settings
         light, fine = s.light_texels, s.visibility_texels
         if s.visibility == "gl":
-            return CallingThread(), GlVisibility(self.scene, light, fine)
-        return self._executor, self._by_rays()
+            return CallingThread(), GlVisibility(self._occluders, light, fine)
+        return self._executor, self._by_rays(self._occluders)
 
-    def _by_rays(self) -> OpenParts:
+    def _by_rays(self, blocking: Occluders) -> OpenParts:
         s = self.settings
         fine, coarse = s.visibility_texels, s.coarse_texels
-        return partial(open_parts, self.scene.rays, light=s.light_texels, fine=fine, coarse=coarse)
+        return partial(open_parts, blocking, light=s.light_texels, fine=fine, coarse=coarse)
 
     def _bounced(self, direct: list[WaveletVectors]) -> tuple[list[WaveletVectors], float]:
         """(sum of the passes, part of all light that would still follow)."""

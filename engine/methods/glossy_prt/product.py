@@ -24,6 +24,7 @@ from engine.methods.base import Frame, MaterialFit, require_supported
 from engine.methods.clock import Clock
 from engine.methods.glossy_prt.fits import Fits
 from engine.methods.glossy_prt.gl_prt import GlPrt
+from engine.methods.glossy_prt.measured import Measured, said_of
 from engine.methods.glossy_prt.settings import Settings
 from engine.methods.glossy_prt.shade import Responses, respond, shade
 from engine.methods.glossy_prt.terms import Terms
@@ -38,8 +39,6 @@ from engine.scene.edits import Edits, edited_camera, edited_environment
 from engine.scene.scene import Scene
 
 NAME = "glossy_prt"
-SAID = 0.02  # of all light: less is not worth a warning
-COARSE = 0.05  # error between vertices under a small lamp: less is not worth a warning
 
 
 Stored = WaveletVectors | Clusters
@@ -50,14 +49,11 @@ class Transport(NamedTuple):
 
     direct   transport vectors of every material of the scene
     bounced  the same of what bounces; empty where no bounce was asked for
-    left     part of all light that passes which were not made would bring
-    between  see `coarseness.between_vertices`
     """
 
     direct: list[Stored]
     bounced: list[Stored]
-    left: float
-    between: float
+    measured: Measured
 
 
 class Prt:
@@ -89,8 +85,7 @@ class Prt:
         # What draws on the GPU, from the first frame that it draws; then why it does not.
         self._gl: GlPrt | None = None
         self._gl_failed: Diagnosis | None = None
-        said = (_local_lights(scene), _truncated(transport.left), _coarse(transport.between))
-        self._of_scene = (*(d for d in said if d is not None), *fits.said)
+        self._of_scene = (*said_of(scene, transport.measured), *fits.said)
         self._fits = fits.materials
 
     @property
@@ -183,36 +178,3 @@ class Prt:
             responses = respond(*args, view.centre), respond(*args, view.sub)
             self._view = camera, scale, view, responses
         return self._view[2:]
-
-
-def _local_lights(scene: Scene) -> Diagnosis | None:
-    if not any(light.enabled for light in scene.lights):
-        return None
-    return Diagnosis(
-        "lights_left_out",
-        "This method carries light from the environment alone: the scene's lamps are left out. "
-        "direct_to_indirect carries them, for a camera that stands still.",
-    )
-
-
-def _truncated(left: float) -> Diagnosis | None:
-    if left < SAID:
-        return None
-    return Diagnosis(
-        "bounces_truncated",
-        f"Light that bounces more often than it was followed would add {100 * left:.0f} % or "
-        "more to what there is: set bounces higher.",
-        left,
-    )
-
-
-def _coarse(between: float) -> Diagnosis | None:
-    if between < COARSE:
-        return None
-    return Diagnosis(
-        "mesh_too_coarse",
-        f"Between the vertices of the mesh a light of 10 degrees is {100 * between:.0f} % off, as "
-        "measured at some of them: shadows are as sharp as triangles are small. Cut the mesh more "
-        "finely; rectangles have `segments`.",
-        between,
-    )

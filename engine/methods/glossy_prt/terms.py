@@ -3,7 +3,8 @@
 Where the light maps of the three channels are the same but for a factor, as those of a coloured
 matt surface are, the factor goes to the view maps: transport is grey then, and one channel of it
 is stored. A material whose diffuse reflectance is textured has a term of its own for that, of
-reflectance 1, which the texture scales in the picture.
+reflectance 1, which the texture scales in the picture; where its gloss is in proportion to the
+specular reflectance, a texture of that scales the other terms in the same way.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from engine.brdf.factored import Factored, joined
 from engine.brdf.factorisation import factor, factor_parts
 from engine.scene.scene import Scene
 
+EVEN, DIFFUSE_VARIES, BOTH_VARY = 0, 1, 2
+WHITE = (1.0, 1.0, 1.0)
 SAME = 1e-4  # of the largest texel: light maps that differ by less are one
 
 
@@ -28,12 +31,13 @@ class Terms:
 
     light     (n, n, K, 1 or 3) float32   light maps g_k, sr⁻¹; one channel where they are grey
     view      (n, n, K, 3) float32        view maps h_k
-    textured  whether term 0 is to be scaled by the diffuse reflectance, which is not in it
+    textured  EVEN; DIFFUSE_VARIES: term 0 is to be scaled by the diffuse reflectance, which is not
+              in it; BOTH_VARY: the others by the specular reflectance as well
     """
 
     light: NDArray[np.float32]
     view: NDArray[np.float32]
-    textured: bool
+    textured: int
 
     @property
     def count(self) -> int:
@@ -62,21 +66,30 @@ def terms_of(scene: Scene, terms: int, texels: int) -> list[Terms]:
     """The terms of every material, `terms` of each that is glossy, on maps of texels x texels."""
     maps = scene.material_table.maps
     return [
-        material_terms(material, terms, texels, textured=bool(maps[index, 0] >= 0))
+        material_terms(material, terms, texels, textured=_textured(material, *maps[index, :2]))
         for index, material in enumerate(scene.materials)
     ]
 
 
-def material_terms(material: Material, terms: int, texels: int, *, textured: bool) -> Terms:
+def _textured(material: Material, diffuse: int, specular: int) -> int:
+    """What varies of a material with these textures, -1 for none."""
+    if specular >= 0 and material.gloss_is_linear:
+        return BOTH_VARY
+    return DIFFUSE_VARIES if diffuse >= 0 else EVEN
+
+
+def material_terms(material: Material, terms: int, texels: int, *, textured: int) -> Terms:
     """See `terms_of`; the factorisation is that of `engine.brdf.factorisation`.
 
     A coloured material whose gloss is grey by itself gets a grey term more for the matt part:
     that fits a little better, and is less to store than three channels of fewer terms.
     """
     if not textured:
-        whole = _grey(factor(material, terms, texels), textured=False)
+        whole = _grey(factor(material, terms, texels), textured=EVEN)
         if whole.channels == 1:
             return whole
+    if textured == BOTH_VARY:
+        material = material.model_copy(update={"specular": WHITE})
     base, gloss = factor_parts(material, terms, texels)
     parts = base if isinstance(material, Diffuse) or not gloss.light.any() else joined(base, gloss)
     apart = _grey(parts, textured=textured)
@@ -88,7 +101,7 @@ def material_terms(material: Material, terms: int, texels: int, *, textured: boo
     return apart
 
 
-def _grey(factored: Factored, *, textured: bool) -> Terms:
+def _grey(factored: Factored, *, textured: int) -> Terms:
     """Colour moved from the light maps to the view maps, term by term, where that is exact."""
     light, view = factored.light.copy(), factored.view.copy()
     grey = True

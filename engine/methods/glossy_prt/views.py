@@ -8,8 +8,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.brdf.base import diffuse_colour
-from engine.methods.glossy_prt.terms import Terms
+from engine.brdf.base import diffuse_colour, specular_colour
+from engine.methods.glossy_prt.terms import BOTH_VARY, Terms
 from engine.methods.glossy_prt.vertices import frame
 from engine.numerics.frames import to_local
 from engine.numerics.hemisphere_maps import disk_taps
@@ -28,7 +28,7 @@ class Maps(NamedTuple):
     terms     (materials,) int32    K
     size      (materials,) int32    texels along a view map
     texel     (materials,) int64    its first texel's first term in `h`, in threes
-    textured  (materials,) bool     see `Terms`
+    textured  (materials,) int32    see `Terms`
     h         (numbers,) float32    view maps, material by material, texel by texel, term by term,
                                     the three channels of each
     """
@@ -38,7 +38,7 @@ class Maps(NamedTuple):
     terms: NDArray[np.int32]
     size: NDArray[np.int32]
     texel: NDArray[np.int64]
-    textured: NDArray[np.bool_]
+    textured: NDArray[np.int32]
     h: NDArray[np.float32]
 
 
@@ -53,7 +53,7 @@ def stack_maps(terms: list[Terms], count: NDArray[np.integer]) -> Maps:
         terms=many,
         size=np.array([t.view.shape[0] for t in terms], np.int32),
         texel=before(np.array([len(v) for v in views])),
-        textured=np.array([t.textured for t in terms]),
+        textured=np.array([t.textured for t in terms], np.int32),
         h=np.concatenate(views).ravel(),
     )
 
@@ -99,10 +99,13 @@ def view_vectors(geometry, materials, vertices, maps, t, b1, b2, w, row, out):
             _mix(maps.h, first, taps, np.float32(fx), np.float32(fy), h)
     if maps.textured[m]:
         surface.parameters(geometry, materials, t, b1, b2, w, row)
-        tint = diffuse_colour(row)
+        base, gloss = diffuse_colour(row), specular_colour(row)
         for r in range(rows):
             for c in range(3):
-                out[r, c] *= np.float32(tint[c])
+                out[r, c] *= np.float32(base[c])
+                if maps.textured[m] == BOTH_VARY:
+                    for k in range(1, maps.terms[m]):
+                        out[r, 3 * k + c] *= np.float32(gloss[c])
     return rows
 
 

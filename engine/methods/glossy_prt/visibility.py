@@ -15,9 +15,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from engine.methods.glossy_prt.occluders import Occluders
 from engine.numerics import cube_map
 from engine.numerics.vec import dot, vec
-from engine.scene.rays import RayTracer
 
 OPEN, BLOCKED, UNKNOWN, BELOW = 0, 1, 2, 3
 
@@ -28,7 +28,7 @@ TOGETHER = 64  # vertices whose visibility is found at a time: it takes much mem
 
 
 def open_parts(
-    rays: RayTracer,
+    occluders: Occluders,
     eye: NDArray[np.float32],
     normal: NDArray[np.float32],
     *,
@@ -54,7 +54,7 @@ def open_parts(
         count = _refine(known, normal, around, *_cells(level), last, state, asked)
         vertex, cell = asked[:count, 0], asked[:count, 1]
         directions = cube_map.directions(level).astype(np.float32)
-        hit = rays.occluded(eye[vertex], directions[cell])
+        hit = occluders.blocks(eye[vertex], directions[cell])
         if last:
             np.add.at(state, (vertex[~hit], cell[~hit] // 4), 1)
             return state

@@ -6,15 +6,20 @@
 #include "common/seen.glsl"
 #include "light/environment.glsl"
 
+const int EVEN = 0, BOTH_VARY = 2;
+
 struct Material {
     vec3 emission;
     int first; // row of the first vertex's first vector
     vec3 diffuse;
     int vertex; // the first vertex
-    int terms, size; // K, and texels along a view map
-    int texel; // its first one
-    int texture; // the first texel of what the diffuse reflectance is multiplied by, -1 for none
-    int width, height; // of that
+    vec3 specular;
+    int terms; // K
+    ivec3 diffuse_map; // first texel, width, height of what it is multiplied by; -1 for none
+    int size; // texels along a view map
+    ivec3 specular_map;
+    int texel; // the view map's first one
+    int textured; // see `Terms`
 };
 struct Vertex {
     vec3 normal;
@@ -34,15 +39,17 @@ layout(std430) readonly buffer b_lit { float lit[]; }; // light-dependent vector
 uniform float u_lowest; // cosine of a view below which maps are not looked up
 
 // Bilinear, repeating.
-vec3 texel(Material m, vec2 uv)
+vec3 texel(ivec3 map, vec2 uv)
 {
-    ivec2 size = ivec2(m.width, m.height);
+    if (map.x < 0)
+        return vec3(1.0);
+    ivec2 size = map.yz;
     vec2 x = uv * vec2(size) - 0.5, low = floor(x), f = x - low;
     vec3 sum = vec3(0.0);
     for (int j = 0; j < 4; j++) {
         ivec2 k = ivec2(j & 1, j >> 1), at = (ivec2(low) + k + size) % size;
         vec2 w = mix(1.0 - f, f, vec2(k));
-        int i = 3 * (m.texture + at.y * size.x + at.x);
+        int i = 3 * (map.x + at.y * size.x + at.x);
         sum += w.x * w.y * vec3(texels[i], texels[i + 1], texels[i + 2]);
     }
     return sum;
@@ -80,10 +87,15 @@ vec3 reflected(Seen s, vec3 w)
     Material m = materials[t.material];
     ivec4 corner = of_triangle[s.triangle];
     ivec3 row = m.first + (corner.xyz - m.vertex) * m.terms;
-    vec3 b = vec3(1.0 - s.b1 - s.b2, s.b1, s.b2), tint = vec3(1.0), light = vec3(0.0);
-    if (m.texture >= 0)
-        tint = m.diffuse * texel(m, b.x * uvs[3 * s.triangle] + b.y * uvs[3 * s.triangle + 1]
-                                    + b.z * uvs[3 * s.triangle + 2]);
+    vec3 b = vec3(1.0 - s.b1 - s.b2, s.b1, s.b2), light = vec3(0.0);
+    vec3 base = vec3(1.0), gloss = vec3(1.0); // what scales term 0, and the others
+    if (m.textured != EVEN) {
+        int i = 3 * s.triangle;
+        vec2 uv = b.x * uvs[i] + b.y * uvs[i + 1] + b.z * uvs[i + 2];
+        base = m.diffuse * texel(m.diffuse_map, uv);
+        if (m.textured == BOTH_VARY)
+            gloss = m.specular * texel(m.specular_map, uv);
+    }
     // A constant needs no frame; frames that turn by too much to go between are taken one by one.
     if (m.size == 1 || corner.w != 0) {
         Taps taps = Taps(ivec4(0), vec4(1.0, 0.0, 0.0, 0.0));
@@ -98,13 +110,13 @@ vec3 reflected(Seen s, vec3 w)
         }
         for (int k = 0; k < m.terms; k++) {
             vec3 mixed = b.x * lit_at(row.x + k) + b.y * lit_at(row.y + k) + b.z * lit_at(row.z + k);
-            light += view_map(m, taps, k) * (k == 0 ? tint : vec3(1.0)) * mixed;
+            light += view_map(m, taps, k) * (k == 0 ? base : gloss) * mixed;
         }
     } else
         for (int c = 0; c < 3; c++) {
             Taps taps = taps_of(m, w, vertices[corner[c]].normal, vertices[corner[c]].tangent);
             for (int k = 0; k < m.terms; k++)
-                light += b[c] * view_map(m, taps, k) * (k == 0 ? tint : vec3(1.0)) * lit_at(row[c] + k);
+                light += b[c] * view_map(m, taps, k) * (k == 0 ? base : gloss) * lit_at(row[c] + k);
         }
     return max(light, 0.0);
 }

@@ -9,6 +9,7 @@ from methods.scenes import cornell
 
 from engine.backend.gl.context import Device
 from engine.backend.gl.visibility import EYES, CubeVisibility
+from engine.methods.glossy_prt.occluders import occluders
 from engine.methods.glossy_prt.vertices import build_vertices
 from engine.methods.glossy_prt.visibility import open_parts
 from engine.numerics import cube_map
@@ -25,7 +26,7 @@ def both(gpu: Device, of: Scene, count: int, light: int, fine: int) -> list[np.n
     eye, normal = vertices.eye[some], vertices.normal[some]
     visibility = CubeVisibility(gpu, geometry.positions, geometry.triangles, 1e-3 * of.rays.epsilon)
     found = visibility.open_parts(eye, normal, light=light, fine=fine)
-    return [found, open_parts(of.rays, eye, normal, light=light, fine=fine, coarse=fine)]
+    return [found, open_parts(occluders(of), eye, normal, light=light, fine=fine, coarse=fine)]
 
 
 @pytest.mark.parametrize(("light", "fine"), [(8, 8), (16, 32), (64, 64)])

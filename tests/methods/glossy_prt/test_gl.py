@@ -23,6 +23,7 @@ from engine.errors import BackendError, InputError
 from engine.methods import prepare
 from engine.methods.glossy_prt import Prt, Settings
 from engine.methods.glossy_prt.gl_prt import GlPrt
+from engine.methods.glossy_prt.terms import BOTH_VARY, DIFFUSE_VARIES
 from engine.scene.build import build
 from engine.scene.edits import Edits
 from engine.scene.open import describe
@@ -104,7 +105,14 @@ def test_coloured_gloss_and_a_bounce_in_three_channels(make: Make) -> None:
 @pytest.mark.parametrize("material", [GREY, PHONG], ids=lambda material: material["type"])
 def test_a_texture(make: Make, tmp_path: Path, material: dict[str, Any]) -> None:
     product = make(with_texture(tmp_path, material))
-    assert product.terms[0].textured
+    assert product.terms[0].textured == DIFFUSE_VARIES
+    assert_same(product)
+
+
+def test_a_texture_of_gloss(make: Make, tmp_path: Path) -> None:
+    gloss = {"texture": "noise.png", "factor": [0.3, 0.6, 0.2]}
+    product = make(with_texture(tmp_path, {**PHONG, "specular": gloss}))
+    assert product.terms[0].textured == BOTH_VARY
     assert_same(product)
 
 
@@ -214,12 +222,13 @@ def test_a_light_and_a_view_that_stay_cost_nothing(
     product.relight(moved, 1, "gl")
 
 
-def test_visibility_by_gl(make: Make) -> None:
+@pytest.mark.parametrize(("occluders", "error"), [(0, 2e-3), (200, 5e-3)])
+def test_visibility_by_gl(make: Make, occluders: int, error: float) -> None:
     """The same light as by rays, but for texels whose centres lie at silhouettes."""
     scene, edits = still_life(PHONG, segments=12), Edits()
-    rays = make(scene, coarse_texels=16).relight(edits, 1, "cpu").image
-    found = make(scene, visibility="gl").relight(edits, 1, "cpu").image
-    assert np.linalg.norm(found - rays) < 2e-3 * np.linalg.norm(rays)
+    rays = make(scene, coarse_texels=16, occluder_vertices=occluders).relight(edits, 1, "cpu").image
+    found = make(scene, visibility="gl", occluder_vertices=occluders).relight(edits, 1, "cpu").image
+    assert np.linalg.norm(found - rays) < error * np.linalg.norm(rays)
     assert (found != rays).any()
 
 

@@ -253,6 +253,7 @@ def test_lights_are_refused_and_the_scene_s_own_are_mentioned(make: Make) -> Non
         {"bounces": -1},
         {"brdf_texels": 4},
         {"visibility": "radar"},
+        {"occluder_vertices": 99},
     ],
 )
 def test_settings_out_of_range(wrong: dict[str, Any]) -> None:
