@@ -15,13 +15,15 @@ GL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri
 TEST_PACKAGES := $(GL_PACKAGES) chromium libatomic1
 PEER_PACKAGES := libllvm19 libatomic1
 
-.PHONY: serve test lint types pytest bench rivals chart clean
+.PHONY: serve test lint types pytest pytest-engine pytest-page test-packages bench rivals chart clean
 
 serve: .venv/.run
 	@.ci/system-packages $(GL_PACKAGES) || echo "going on without OpenGL, on the CPU" >&2
 	$(BIN)/relight serve "$(SCENE)" --port $(PORT)
 
-test: lint types pytest
+# Side by side: each keeps one core busy, and the page's tests wait much of the time.
+test:
+	@$(MAKE) --no-print-directory -j4 --output-sync=line lint types pytest-engine pytest-page
 
 lint: .venv/.test
 	$(BIN)/ruff check
@@ -30,9 +32,16 @@ lint: .venv/.test
 types: .venv/.test
 	$(BIN)/mypy
 
-pytest: .venv/.test
+pytest: pytest-engine pytest-page
+
+pytest-engine: .venv/.test test-packages
+	$(BIN)/pytest --ignore=tests/server --ignore=tests/web
+
+pytest-page: .venv/.test test-packages
+	$(BIN)/pytest tests/server tests/web
+
+test-packages:
 	@.ci/system-packages $(TEST_PACKAGES)
-	$(BIN)/pytest
 
 bench: .venv/.chart
 	$(BIN)/relight bench
@@ -69,6 +78,7 @@ clean:
 	$(BIN)/pip install -q -e '.[peers]'
 	@touch $@
 
-.venv/.test: .venv/.chart
+# Which holds the other two.
+.venv/.test: .venv/bin/python pyproject.toml
 	$(BIN)/pip install -q -e '.[test]'
-	@touch $@
+	@touch .venv/.run .venv/.chart .venv/.peers $@
