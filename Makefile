@@ -13,17 +13,19 @@ BIN := .venv/bin
 GL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri
 # A browser for the page, and a library that Mitsuba's wheels take for granted.
 TEST_PACKAGES := $(GL_PACKAGES) chromium libatomic1
+# Of the system as a whole; the other half are of its parts.
+SYSTEM_TESTS := tests/cli tests/measure tests/server tests/stability tests/web
 PEER_PACKAGES := libllvm19 libatomic1
 
-.PHONY: serve test lint types pytest pytest-engine pytest-page test-packages bench rivals chart clean
+.PHONY: serve test lint types pytest pytest-units pytest-system test-packages bench rivals chart clean
 
 serve: .venv/.run
 	@.ci/system-packages $(GL_PACKAGES) || echo "going on without OpenGL, on the CPU" >&2
 	$(BIN)/relight serve "$(SCENE)" --port $(PORT)
 
-# Side by side: each keeps one core busy, and the page's tests wait much of the time.
+# Side by side: each keeps about one core busy.
 test:
-	@$(MAKE) --no-print-directory -j4 --output-sync=line lint types pytest-engine pytest-page
+	@$(MAKE) --no-print-directory -j4 --output-sync=line lint types pytest-units pytest-system
 
 lint: .venv/.test
 	$(BIN)/ruff check
@@ -32,13 +34,13 @@ lint: .venv/.test
 types: .venv/.test
 	$(BIN)/mypy
 
-pytest: pytest-engine pytest-page
+pytest: pytest-units pytest-system
 
-pytest-engine: .venv/.test test-packages
-	$(BIN)/pytest --ignore=tests/server --ignore=tests/web
+pytest-units: .venv/.test test-packages
+	$(BIN)/pytest $(addprefix --ignore=,$(SYSTEM_TESTS))
 
-pytest-page: .venv/.test test-packages
-	$(BIN)/pytest tests/server tests/web
+pytest-system: .venv/.test test-packages
+	$(BIN)/pytest $(SYSTEM_TESTS)
 
 test-packages:
 	@.ci/system-packages $(TEST_PACKAGES)
