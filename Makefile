@@ -25,7 +25,7 @@ serve: .venv/.run
 
 # Side by side: each keeps about one core busy.
 test:
-	@$(MAKE) --no-print-directory -j4 --output-sync=line lint types pytest-units pytest-system
+	@$(MAKE) --no-print-directory -j4 --output-sync=line lint types pytest
 
 lint: .venv/.test
 	$(BIN)/ruff check
@@ -80,7 +80,7 @@ clean:
 	$(BIN)/pip install -q -e '.[peers]'
 	@touch $@
 
-# Which holds the other two.
+# Which holds the other three.
 .venv/.test: .venv/bin/python pyproject.toml
 	$(BIN)/pip install -q -e '.[test]'
 	@touch .venv/.run .venv/.chart .venv/.peers $@

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from engine.measure.levels import smooth, subdivided, with_vertices
-from engine.measure.stage import ball, knot
+from engine.measure.stage import ball
 from engine.scene.part import Part
-from engine.scene.simplify import clustered
 
 
 def area(part: Part) -> float:
@@ -45,17 +44,6 @@ def test_cutting_in_four_keeps_the_surface() -> None:
     assert area(finer) == pytest.approx(area(coarse), rel=1e-12)
     assert (edges == 2).all()
     assert (edge_counts(finer) == 2).all()
-
-
-def test_clusters_leave_no_triangle_without_area() -> None:
-    part = knot(64, 8).part
-    positions, triangles, size = clustered(part.positions, part.triangles, 150)
-    assert 0.01 < size < 0.5
-    assert len(positions) == pytest.approx(150, rel=0.1)
-    a, b, c = np.sort(triangles, axis=1).T
-    assert (a < b).all()
-    assert (b < c).all()
-    assert len(np.unique(np.sort(triangles, axis=1), axis=0)) == len(triangles)
 
 
 def test_normals_are_the_same_on_both_sides_of_a_seam() -> None:

@@ -110,9 +110,9 @@ def _draw(
             _draw_beyond(top, end, t, corners, near, width, flip, drawn)
             continue
         xa, ya, xb, yb, xc, yc = at[a, 0], at[a, 1], at[b, 0], at[b, 1], at[c, 0], at[c, 1]
-        y0, y1 = max(top, math.ceil(min(ya, yb, yc))), min(end - 1, math.floor(max(ya, yb, yc)))
-        x0, x1 = max(0, math.ceil(min(xa, xb, xc))), min(width - 1, math.floor(max(xa, xb, xc)))
-        if y0 > y1 or x0 > x1:
+        y0, y1 = _within(min(ya, yb, yc), max(ya, yb, yc), top, end)
+        x0, x1 = _within(min(xa, xb, xc), max(xa, xb, xc), 0, width)
+        if y0 >= y1 or x0 >= x1:
             continue
         area = (xb - xa) * (yc - ya) - (xc - xa) * (yb - ya)
         if area == 0.0:
@@ -121,14 +121,20 @@ def _draw(
         # Barycentrics of b and c are linear over the picture, as 1 / d is.
         bx, by = (yc - ya) * unit, (xa - xc) * unit
         cx, cy = (ya - yb) * unit, (xb - xa) * unit
-        for y in range(y0, y1 + 1):
-            for x in range(x0, x1 + 1):
+        for y in range(y0, y1):
+            for x in range(x0, x1):
                 b1 = (x - xa) * bx + (y - ya) * by
                 b2 = (x - xa) * cx + (y - ya) * cy
                 if b1 < -ON_EDGE or b2 < -ON_EDGE or b1 + b2 > 1.0 + ON_EDGE:
                     continue
                 z = za + b1 * (zb - za) + b2 * (zc - za)
                 _mark(drawn, y * width + x, t, b1 * zb, b2 * zc, z, front)
+
+
+@njit
+def _within(low, high, start, stop):
+    """The whole numbers from low to high of those in [start, stop), as a range's two ends."""
+    return max(start, math.ceil(low)), min(stop, math.floor(high) + 1)
 
 
 @njit
@@ -177,11 +183,11 @@ def _draw_beyond(top, end, t, corners, near, width, flip, drawn):
     volume = dot(a, of_a)
     if volume == 0.0 or left > right:
         return
-    y0, y1 = max(float(top), math.ceil(low)), min(end - 1.0, math.floor(high))
-    x0, x1 = max(0.0, math.ceil(left)), min(width - 1.0, math.floor(right))
+    y0, y1 = _within(low, high, top, end)
+    x0, x1 = _within(left, right, 0, width)
     unit, front = 1.0 / volume, volume * flip > 0.0
-    for y in range(int(y0), int(y1) + 1):
-        for x in range(int(x0), int(x1) + 1):
+    for y in range(y0, y1):
+        for x in range(x0, x1):
             ray = (float(x), float(y), 1.0)
             part0, part1, part2 = (
                 unit * dot(of_a, ray),

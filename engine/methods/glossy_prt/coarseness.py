@@ -46,7 +46,7 @@ def between_vertices(scene: Scene, vertices: Vertices, open_parts: OpenParts, n:
     )
     mixed = at_corners.reshape(PLACES, 3, LAMPS).mean(axis=1)
     true = _irradiance(eye.astype(np.float32), normal.astype(np.float32), open_parts, n)
-    return float(np.linalg.norm(mixed - true)) / max(float(np.linalg.norm(true)), 1e-30)
+    return _error(mixed, true)
 
 
 def of_simpler(vertices: Vertices, simpler: OpenParts, exact: OpenParts, n: int) -> float:
@@ -57,7 +57,11 @@ def of_simpler(vertices: Vertices, simpler: OpenParts, exact: OpenParts, n: int)
         _irradiance(vertices.eye[picked], vertices.normal[picked], open_parts, n)
         for open_parts in (simpler, exact)
     )
-    return float(np.linalg.norm(ours - true)) / max(float(np.linalg.norm(true)), 1e-30)
+    return _error(ours, true)
+
+
+def _error(found: NDArray[np.float32], true: NDArray[np.float32]) -> float:
+    return float(np.linalg.norm(found - true)) / max(float(np.linalg.norm(true)), 1e-30)
 
 
 def _irradiance(

@@ -29,12 +29,8 @@ class Measured(NamedTuple):
     simpler: float
 
 
-def said_of(scene: Scene, measured: Measured) -> tuple[Diagnosis, ...]:
+def said_of(scene: Scene, measured: Measured) -> Iterator[Diagnosis]:
     """What all frames of a scene come with."""
-    return tuple(_said(scene, measured))
-
-
-def _said(scene: Scene, measured: Measured) -> Iterator[Diagnosis]:
     left, between, simpler = measured
     if any(light.enabled for light in scene.lights):
         yield Diagnosis(

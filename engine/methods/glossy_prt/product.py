@@ -47,8 +47,9 @@ Stored = WaveletVectors | Clusters
 class Transport(NamedTuple):
     """What a precompute found.
 
-    direct   transport vectors of every material of the scene
-    bounced  the same of what bounces; empty where no bounce was asked for
+    direct    transport vectors of every material of the scene
+    bounced   the same of what bounces; empty where no bounce was asked for
+    measured  how far off it is
     """
 
     direct: list[Stored]

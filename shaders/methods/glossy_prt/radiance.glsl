@@ -1,5 +1,5 @@
 // Radiance that comes along a ray to the eye: the view maps h_k times the light-dependent vectors
-// (eq. 5); twin of engine/methods/glossy_prt/views.py, and of `_shade` in view.py.
+// (eq. 5); twin of engine/methods/glossy_prt/views.py, and of `_shade` in shade.py.
 
 #include "common/frames.glsl"
 #include "common/hemisphere_maps.glsl"
