@@ -1,7 +1,9 @@
 """Precompute jobs: one at a time, watched by clients, cancelled within a second.
 
 A job that was started because somebody looked is stopped when the last one looks elsewhere; a job
-that was asked for by name (`watcher="api"`) ends only by itself or by `cancel`.
+that was asked for by name (`watcher=API`) ends only by itself or by `cancel`. What somebody looks
+at goes first: a job that nobody does makes room, and goes on later from the chunks that it has
+left in the store.
 """
 
 from __future__ import annotations
@@ -10,7 +12,6 @@ import secrets
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from engine.errors import Cancelled, NotFound
@@ -19,6 +20,7 @@ from server.precompute import Task
 from server.problems import describe
 from server.wire import JobState, JobStatus, Problem
 
+API = "api"
 KEPT = 100
 PUBLISH_SECONDS = 0.1
 
@@ -37,12 +39,18 @@ class Job:
         self.phase, self.fraction = "", 0.0
         self.started = self.ended = self.phase_started = 0.0
         self.stop = threading.Event()
+        self.makes_room = False
         self.problem: Problem | None = None
 
     @property
     def active(self) -> bool:
         """Whether it still has work to do."""
         return self.status in ("queued", "running")
+
+    @property
+    def looked_at(self) -> bool:
+        """Whether somebody waits for it before a picture."""
+        return bool(self.watchers - {API})
 
     def state(self) -> JobState:
         """As it crosses the wire."""
@@ -72,10 +80,12 @@ class Jobs:
     def __init__(self, work: Work) -> None:
         """`work` does a task, reports to its progress, and stops when that raises."""
         self._work = work
-        self._lock = threading.RLock()
+        self._lock = threading.Condition()
         self._jobs: dict[str, Job] = {}
         self._listeners: list[Listener] = []
-        self._pool = ThreadPoolExecutor(1, "relight-job")
+        self._closed = False
+        self._thread = threading.Thread(target=self._serve, name="relight-job", daemon=True)
+        self._thread.start()
 
     def start(self, task: Task, watcher: str) -> JobState:
         """Start the task, or join the job that is at it already."""
@@ -85,21 +95,23 @@ class Jobs:
                 job = Job(task)
                 self._jobs[job.id] = job
                 self._forget_old()
-                self._pool.submit(self._run, job)
             job.watchers.add(watcher)
             self._leave(watcher, job)
+            self._make_room()
             return job.state()
 
     def look_away(self, watcher: str) -> None:
         """The watcher needs none of its jobs any more; those that nobody else watches stop."""
         with self._lock:
             self._leave(watcher, None)
+            self._make_room()
 
     def forget(self, watcher: str) -> None:
         """The watcher is gone; its jobs go on, since it may come back."""
         with self._lock:
             for job in self._jobs.values():
                 job.watchers.discard(watcher)
+            self._make_room()
 
     def get(self, identity: str) -> JobState:
         """Raises NotFound."""
@@ -147,7 +159,9 @@ class Jobs:
             for job in self._jobs.values():
                 if job.active:
                     self._stop(job)
-        self._pool.shutdown(wait=True)
+            self._closed = True
+            self._lock.notify_all()
+        self._thread.join()
 
     def _job(self, identity: str) -> Job:
         try:
@@ -163,10 +177,17 @@ class Jobs:
 
     def _leave(self, watcher: str, current: Job | None) -> None:
         for job in list(self._jobs.values()):
-            if job is not current and watcher in job.watchers and watcher != "api":
+            if job is not current and watcher in job.watchers and watcher != API:
                 job.watchers.discard(watcher)
                 if not job.watchers and job.active:
                     self._stop(job)
+
+    def _make_room(self) -> None:
+        """The running job waits while another is looked at and it is not."""
+        looked_at = any(job.status == "queued" and job.looked_at for job in self._jobs.values())
+        for job in self._jobs.values():
+            job.makes_room = looked_at and job.status == "running" and not job.looked_at
+        self._lock.notify_all()
 
     def _stop(self, job: Job) -> None:
         job.stop.set()
@@ -187,17 +208,29 @@ class Jobs:
         for listener in list(self._listeners):
             listener(state)
 
+    def _serve(self) -> None:
+        """The thread of the jobs: what somebody looks at first, then in order."""
+        while True:
+            with self._lock:
+                self._lock.wait_for(lambda: self._closed or self._next() is not None)
+                job = self._next()
+                if job is None:
+                    return
+                job.status, job.started = "running", job.started or time.monotonic()
+                job.phase, job.fraction = "", 0.0
+                self._publish(job)
+            self._run(job)
+
+    def _next(self) -> Job | None:
+        queued = [job for job in self._jobs.values() if job.status == "queued"]
+        return min(queued, key=lambda job: not job.looked_at, default=None)
+
     def _run(self, job: Job) -> None:
-        with self._lock:
-            if not job.active:
-                return
-            job.status, job.started = "running", time.monotonic()
-            self._publish(job)
         published = 0.0
 
         def progress(phase: str, done: float, total: float) -> None:
             nonlocal published
-            if job.stop.is_set():
+            if job.stop.is_set() or job.makes_room:
                 raise Cancelled("the precompute was stopped")
             with self._lock:
                 changed = phase != job.phase
@@ -211,10 +244,14 @@ class Jobs:
         try:
             self._work(job.task, progress)
         except Cancelled:
-            status: JobStatus = "cancelled"
+            status: JobStatus = "queued"
         except Exception as error:
             status, job.problem = "failed", describe(error)
         else:
             status, job.fraction = "done", 1.0
         with self._lock:
-            self._end(job, status)
+            if status != "queued" or job.stop.is_set():
+                self._end(job, "cancelled" if status == "queued" else status)
+            else:
+                job.status, job.makes_room = status, False
+                self._publish(job)

@@ -13,7 +13,7 @@ from engine.scene.camera import Camera
 from engine.scene.edits import Edits
 from engine.store import Store
 from server.details import scene_detail
-from server.jobs import Jobs
+from server.jobs import API, Jobs
 from server.maps import Uploads
 from server.precompute import Materials, Task, run_in_process, settings_of
 from server.stage import HELD, METHOD, Stage, Stages
@@ -99,7 +99,7 @@ class Service:
         stage.with_materials(materials)
         camera = stage.camera(request.edits)
         task = self.task(stage, camera, request.method, request.settings, materials)
-        return self.jobs.start(task, "api")
+        return self.jobs.start(task, API)
 
     def task(
         self,

@@ -103,8 +103,46 @@ def test_a_job_asked_for_by_name_outlives_its_watchers(jobs: Jobs, work: Clockwo
     jobs.start(task(0), "a")
     jobs.start(task(1), "a")
     jobs.start(task(2), "api")
+    jobs.look_away("a")
     time.sleep(0.05)
-    assert jobs.get(job.id).status == "running"
+    work.go.set()
+    until(lambda: jobs.get(job.id).status == "done")
+
+
+def test_what_is_looked_at_goes_first(jobs: Jobs, work: Clockwork) -> None:
+    unseen = jobs.start(task(0), "api")
+    until(lambda: jobs.get(unseen.id).status == "running")
+    also_unseen = jobs.start(task(1), "api")
+    seen = jobs.start(task(2), "a")
+    until(lambda: jobs.get(seen.id).status == "running", 1.0)
+    assert jobs.get(unseen.id).status == jobs.get(also_unseen.id).status == "queued"
+    work.go.set()
+    until(lambda: jobs.get(also_unseen.id).status == "done")
+    assert [t.camera.position[0] for t in work.begun] == [0, 2, 0, 1]
+
+
+def test_one_who_looks_does_not_push_another_aside(jobs: Jobs, work: Clockwork) -> None:
+    first = jobs.start(task(0), "a")
+    until(lambda: jobs.get(first.id).status == "running")
+    second = jobs.start(task(1), "b")
+    time.sleep(0.05)
+    assert jobs.get(first.id).status == "running"
+    jobs.forget("a")  # nobody waits for it any more, and it is not given up
+    until(lambda: jobs.get(second.id).status == "running", 1.0)
+    assert jobs.get(first.id).status == "queued"
+    work.go.set()
+    until(lambda: jobs.get(first.id).status == "done")
+
+
+def test_a_job_that_made_room_is_cancelled_at_once(jobs: Jobs, work: Clockwork) -> None:
+    unseen = jobs.start(task(0), "api")
+    until(lambda: jobs.get(unseen.id).status == "running")
+    seen = jobs.start(task(1), "a")
+    until(lambda: jobs.get(seen.id).status == "running")
+    assert jobs.cancel(unseen.id).status == "cancelled"
+    work.go.set()
+    until(lambda: jobs.get(seen.id).status == "done")
+    assert work.begun == [task(0), task(1)]
 
 
 def test_a_client_that_leaves_stops_nothing(jobs: Jobs, work: Clockwork) -> None:
