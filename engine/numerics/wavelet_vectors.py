@@ -104,25 +104,31 @@ def keep_largest(values, white, weight, most, tolerance, base, scale, place, ste
     """
     size, channels = values.shape[0] // FACES, values.shape[1]
     whole, lack = 0.0, np.zeros(channels)
-    for i in range(values.shape[0]):
-        for c in range(channels):
-            lack[c] += white[i] * values[i, c]
     for f in range(FACES):
         for c in range(channels):
             base[f, c] = values[f * size, c]
-            lack[c] -= white[f * size] * base[f, c]
             whole += (weight[c] * values[f * size, c]) ** 2
             values[f * size, c] = 0.0
-    scale[:] = 0.0
+    # Most of a vector is nothing at all.
+    here, count = np.zeros(values.shape[0], np.int32), 0
     for i in range(values.shape[0]):
         for c in range(channels):
+            if values[i, c] != 0.0:
+                here[count] = i
+                count += 1
+                break
+    scale[:] = 0.0
+    for j in range(count):
+        i = here[j]
+        for c in range(channels):
+            lack[c] += white[i] * values[i, c]
             scale[c] = max(scale[c], abs(values[i, c]))
     scale /= STEPS
     # Candidates, and the power that one must have to be among the largest.
-    power, here = np.zeros(values.shape[0], np.float32), np.zeros(values.shape[0], np.int32)
-    count, lost = 0, 0.0
-    for i in range(values.shape[0]):
-        total, told = np.float32(0), False
+    power, lost = np.zeros(count, np.float32), 0.0
+    there, count = count, 0
+    for j in range(there):
+        i, total, told = here[j], np.float32(0), False
         for c in range(channels):
             value = values[i, c]
             told |= abs(value) > 0.5 * scale[c]
@@ -134,15 +140,18 @@ def keep_largest(values, white, weight, most, tolerance, base, scale, place, ste
         else:
             lost += total
     room = most - FACES
-    ranked = np.sort(power[:count])
     least = max(0, count - room)
+    # What there is no room for need not be in order.
+    parted = np.partition(power[:count], min(least, count - 1)) if least else power[:count]
     for j in range(least):
-        lost += ranked[j]
-    while least < count and lost + ranked[least] <= tolerance * tolerance * whole:
+        lost += parted[j]
+    ranked = np.sort(parted[least:])
+    least = 0
+    while least < len(ranked) and lost + ranked[least] <= tolerance * tolerance * whole:
         lost += ranked[least]
         least += 1
-    bar = ranked[least] if least < count else np.float32(np.inf)
-    room = count - least
+    bar = ranked[least] if least < len(ranked) else np.float32(np.inf)
+    room = len(ranked) - least
     kept = 0
     for j in range(count):
         if power[j] >= bar and kept < room:

@@ -185,26 +185,32 @@ def _gather(
         )
 
 
-@njit(nogil=True)
+@njit(nogil=True, fastmath={"contract", "reassoc"})
 def _add(sources, v, source_terms, source_channels, factor, terms, values):
     """Add the vector of vertex v, each of its terms times its factors, to values (texels, c)."""
     wide, width = values.shape[1], source_terms * source_channels
-    size = values.shape[0] // cube_map.FACES
-    for own in range(width):
+    size, first = values.shape[0] // cube_map.FACES, sources.step_at[v]
+    base, scale_at = sources.base_at[v], sources.scale_at[v]
+    for c in range(source_channels):
         # A grey term goes into all channels, a coloured one into that of its own.
-        k, c = own % source_terms, own // source_terms
         low, high = (0, wide) if source_channels == 1 else (c * terms, (c + 1) * terms)
-        f = factor[k, low:high]
-        unit = sources.scale[sources.scale_at[v] + own]
-        at = sources.step_at[v] + own
-        for p in range(sources.start[v], sources.start[v + 1]):
-            value = unit * np.float32(sources.steps[at])
-            at += width
-            into = values[sources.place[p], low:high]
-            for q in range(f.shape[0]):
-                into[q] += f[q] * value
-        for face in range(cube_map.FACES):
-            value = sources.base[sources.base_at[v] + face * width + own]
-            into = values[face * size, low:high]
-            for q in range(f.shape[0]):
-                into[q] += f[q] * value
+        for k in range(0, source_terms, 2):
+            # Two terms at a time, as the numbers they are added to are many and far apart.
+            own, two = c * source_terms + k, k + 1 < source_terms
+            f, g = factor[k, low:high], factor[k + two, low:high]
+            f_unit = sources.scale[scale_at + own]
+            g_unit = sources.scale[scale_at + own + two] * np.float32(two)
+            at = first + own
+            for p in range(sources.start[v], sources.start[v + 1]):
+                x = f_unit * np.float32(sources.steps[at])
+                y = g_unit * np.float32(sources.steps[at + two])
+                at += width
+                into = values[sources.place[p], low:high]
+                for q in range(f.shape[0]):
+                    into[q] += f[q] * x + g[q] * y
+            for face in range(cube_map.FACES):
+                x = sources.base[base + face * width + own]
+                y = sources.base[base + face * width + own + two] * np.float32(two)
+                into = values[face * size, low:high]
+                for q in range(f.shape[0]):
+                    into[q] += f[q] * x + g[q] * y
