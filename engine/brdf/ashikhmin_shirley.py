@@ -28,6 +28,7 @@ from engine.brdf.base import (
     Material,
     diffuse_colour,
     from_grain,
+    half,
     share,
     specular_colour,
     to_grain,
@@ -35,7 +36,7 @@ from engine.brdf.base import (
 from engine.brdf.fresnel import fresnel
 from engine.numerics.description import Reflectance
 from engine.numerics.sampling import cosine_hemisphere
-from engine.numerics.vec import add, dot, length, mul, normalize, reflect, scale
+from engine.numerics.vec import add, dot, mul, reflect, scale
 
 GRAZING = 1e-12  # a half vector this close to perpendicular to wo mirrors nothing
 
@@ -87,15 +88,6 @@ def _base_colour(p):
 
 
 @njit
-def _half(wi, wo):
-    """(h, k·h). The cosine is half the length of wi + wo, where near grazing angles the product of
-    the vectors would have no digits left.
-    """
-    both = add(wi, wo)
-    return normalize(both), 0.5 * length(both)
-
-
-@njit
 def _lobe(p, h):
     """√((n_u + 1)(n_v + 1)) / 2π · (n·h)^e, which is the density of the half vectors' sampler."""
     nu, nv = float(p[ROUGHNESS]), float(p[EXTRA])
@@ -112,7 +104,7 @@ def evaluate(p, wi, wo):
         return (0.0, 0.0, 0.0)
     matt = 28.0 / (23.0 * math.pi) * _base(wi[2]) * _base(wo[2])
     value = scale(_base_colour(p), matt)
-    h, cos_d = _half(wi, wo)
+    h, cos_d = half(wi, wo)
     if cos_d <= GRAZING:
         return value
     gloss = _lobe(p, h) / (4.0 * max(1e-30, cos_d * max(wi[2], wo[2])))
@@ -158,7 +150,7 @@ def pdf(p, wi, wo):
         return 0.0
     base = _base_share(p, wo)
     density = base * wi[2] / math.pi
-    h, cos_d = _half(wi, wo)
+    h, cos_d = half(wi, wo)
     if cos_d > GRAZING:
         density += (1.0 - base) * _lobe(p, h) / (4.0 * cos_d)
     return density

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from engine.numerics.description import Description, Radiance
+from engine.numerics.vec import add, length, normalize
 
 ROW = 36
 DIFFUSE = 0  # three places: diffuse reflectance, linear RGB
@@ -102,6 +103,17 @@ def share(a, b):
     """Luminance of a as a part of that of a and b together; 1 where both are black."""
     wa, wb = luminance(a), luminance(b)
     return wa / (wa + wb) if wb > 0.0 else 1.0
+
+
+@njit
+def half(wi, wo):
+    """(h, wo·h): the half vector and the cosine of its angle to either direction.
+
+    The cosine is half the length of wi + wo, where near grazing angles the product of the vectors
+    would have no digits left.
+    """
+    both = add(wi, wo)
+    return normalize(both), 0.5 * length(both)
 
 
 @njit

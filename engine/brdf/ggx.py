@@ -9,10 +9,7 @@ Surfaces*): f_s = F D G / (4 cos θ_i cos θ_o) with
 F0 is `specular`, α the square of `roughness` (Burley 2012, §5.4) but at least MIN_ALPHA. With
 `specular` 0 it is exactly Lambert's model.
 
-Base (Shirley, Smits, Hu, Lafortune 1997, *A Practitioners' Assessment of Light Reflection
-Models*, §5): f_d = ρ (1 - F(θ_i)) (1 - F(θ_o)) / (π c), with c the cosine-weighted mean of 1 - F
-over the hemisphere, which for Schlick's F is 1 - F0 - (F90 - F0) / 21. The base reflects
-ρ (1 - F(θ_o)).
+Base (Shirley, Smits, Hu, Lafortune 1997): see `coupled`.
 
 Both parts are reciprocal. Light that bounces between facets is lost: at `roughness` 1 white facets
 seen from above keep 31 % of it, at 0.5 still 92 %.
@@ -28,11 +25,12 @@ from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field
 
-from engine.brdf.base import ROUGHNESS, Material, diffuse_colour, share, specular_colour
-from engine.brdf.fresnel import f90, fresnel
+from engine.brdf.base import ROUGHNESS, Material, specular_colour
+from engine.brdf.coupled import base_share, coupled_base
+from engine.brdf.fresnel import fresnel
 from engine.numerics.description import Reflectance, Unit
 from engine.numerics.sampling import cosine_hemisphere
-from engine.numerics.vec import add, cross, dot, mul, normalize, reflect, scale
+from engine.numerics.vec import add, cross, dot, normalize, reflect, scale
 
 MIN_ALPHA = 0.002  # a highlight about a tenth of a degree wide
 
@@ -61,19 +59,6 @@ def _alpha(p):
 
 
 @njit
-def _passed(f0, cosine):
-    """1 - F, for a colour."""
-    f = fresnel(f0, cosine)
-    return (1.0 - f[0], 1.0 - f[1], 1.0 - f[2])
-
-
-@njit
-def _mean_passed(f0, grazing):
-    """Cosine-weighted mean of 1 - F over the hemisphere, for one channel."""
-    return 1.0 - f0 - (grazing - f0) / 21.0
-
-
-@njit
 def _distribution(alpha, h):
     """D, with 1 - cos² written as x² + y² so that sharp lobes keep their digits."""
     a2 = alpha * alpha
@@ -89,31 +74,16 @@ def _stretched(alpha, c):
 
 
 @njit
-def _base_share(p, wo):
-    """Probability of sampling the base: its part of the light reflected towards wo, roughly."""
-    f0 = specular_colour(p)
-    return share(mul(diffuse_colour(p), _passed(f0, wo[2])), fresnel(f0, wo[2]))
-
-
-@njit
 def evaluate(p, wi, wo):
     """f_d + f_s."""
     if wi[2] <= 0.0 or wo[2] <= 0.0:
         return (0.0, 0.0, 0.0)
     alpha = _alpha(p)
-    f0 = specular_colour(p)
-    grazing = f90(f0)
-    # The base, which vanishes where the facets let nothing through.
-    base = mul(diffuse_colour(p), mul(_passed(f0, wi[2]), _passed(f0, wo[2])))
-    base = (
-        base[0] / (math.pi * max(1e-9, _mean_passed(f0[0], grazing))),
-        base[1] / (math.pi * max(1e-9, _mean_passed(f0[1], grazing))),
-        base[2] / (math.pi * max(1e-9, _mean_passed(f0[2], grazing))),
-    )
     # G / (4 cos θ_i cos θ_o), simplified so that nothing vanishes at grazing angles.
     visible = 0.5 / max(1e-30, wo[2] * _stretched(alpha, wi[2]) + wi[2] * _stretched(alpha, wo[2]))
     h = normalize(add(wi, wo))
-    return add(base, scale(fresnel(f0, dot(wo, h)), visible * _distribution(alpha, h)))
+    gloss = visible * _distribution(alpha, h)
+    return add(coupled_base(p, wi, wo), scale(fresnel(specular_colour(p), dot(wo, h)), gloss))
 
 
 @njit
@@ -142,7 +112,7 @@ def sample(p, wo, u):
     """The base with its share of the reflectance, else a visible facet that mirrors wo."""
     if wo[2] <= 0.0:
         return (0.0, 0.0, 0.0)
-    if u[2] < _base_share(p, wo):
+    if u[2] < base_share(p, wo):
         return cosine_hemisphere(u[0], u[1])
     return reflect(wo, _visible_normal(_alpha(p), wo, u[0], u[1]))
 
@@ -152,7 +122,7 @@ def pdf(p, wi, wo):
     """Base: cos θ_i / π. Facets: D · G1(wo) / (4 cos θ_o), the Jacobian 1 / (4 wo·h) included."""
     if wi[2] <= 0.0 or wo[2] <= 0.0:
         return 0.0
-    base = _base_share(p, wo)
+    base = base_share(p, wo)
     alpha = _alpha(p)
     h = normalize(add(wi, wo))
     facets = 0.5 * _distribution(alpha, h) / (wo[2] + _stretched(alpha, wo[2]))

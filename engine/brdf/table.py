@@ -7,10 +7,19 @@ from typing import Annotated
 
 from pydantic import Field
 
-from engine.brdf import ashikhmin_shirley, blinn_phong, diffuse, ggx, lafortune, phong
+from engine.brdf import (
+    ashikhmin_shirley,
+    blinn_phong,
+    cook_torrance,
+    diffuse,
+    ggx,
+    lafortune,
+    phong,
+)
 from engine.brdf.ashikhmin_shirley import AshikhminShirley
 from engine.brdf.base import Material
 from engine.brdf.blinn_phong import BlinnPhong
+from engine.brdf.cook_torrance import CookTorrance
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
 from engine.brdf.lafortune import Lafortune
@@ -24,10 +33,12 @@ MODELS: dict[type[Material], ModuleType] = {
     Ggx: ggx,
     AshikhminShirley: ashikhmin_shirley,
     Lafortune: lafortune,
+    CookTorrance: cook_torrance,
 }
 
 AnyMaterial = Annotated[
-    Diffuse | Phong | BlinnPhong | Ggx | AshikhminShirley | Lafortune, Field(discriminator="type")
+    Diffuse | Phong | BlinnPhong | Ggx | AshikhminShirley | Lafortune | CookTorrance,
+    Field(discriminator="type"),
 ]
 
 INDEX = {description: index for index, description in enumerate(MODELS)}

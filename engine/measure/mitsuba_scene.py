@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from engine.brdf.ashikhmin_shirley import AshikhminShirley
 from engine.brdf.base import Material
 from engine.brdf.blinn_phong import BlinnPhong
+from engine.brdf.cook_torrance import MIN_SLOPE, CookTorrance
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
 from engine.brdf.lafortune import Lafortune
@@ -137,20 +138,21 @@ def _write_ply(path: Path, scene: Scene, material: int) -> bool:
 
 
 def _bsdf(scene: Scene, index: int, material: Material) -> Node:
-    """Diffuse and white metal are ours exactly; gloss is GGX of the same width over the base."""
+    """Diffuse and white metal are ours exactly; gloss is facets of the same width over the base."""
     row = material.row()
+    facets = "beckmann" if isinstance(material, CookTorrance) else "ggx"
     base = _texture(scene, index, row[:3])
     specular = row[3:6]
     if isinstance(material, Diffuse) or not specular.any():
         inner: Node = {"type": "diffuse", "reflectance": base}
-    elif not isinstance(material, Ggx) and _alpha(material) > WIDE:
+    elif not isinstance(material, Ggx | CookTorrance) and _alpha(material) > WIDE:
         inner = {"type": "diffuse", "reflectance": _texture(scene, index, row[:3], specular)}
     elif specular.max() > DIELECTRIC:
         # Like a metal; a base below it is lost.
         inner = {
             "type": "roughconductor",
             "material": "none",
-            "distribution": "ggx",
+            "distribution": facets,
             "alpha": _alpha(material),
             "specular_reflectance": _rgb(specular),
         }
@@ -158,7 +160,7 @@ def _bsdf(scene: Scene, index: int, material: Material) -> Node:
         root = float(np.sqrt(specular.mean()))
         inner = {
             "type": "roughplastic",
-            "distribution": "ggx",
+            "distribution": facets,
             "alpha": _alpha(material),
             "int_ior": (1 + root) / (1 - root),
             "diffuse_reflectance": base,
@@ -173,9 +175,11 @@ def _bsdf(scene: Scene, index: int, material: Material) -> Node:
 
 
 def _alpha(material: Any) -> float:
-    """GGX's α of a lobe; that of a cosine power by Walter et al. 2007, §5.2."""
+    """α of the facets; GGX's of a cosine power by Walter et al. 2007, §5.2."""
     if isinstance(material, Ggx):
         return float(max(material.roughness**2, 0.002))
+    if isinstance(material, CookTorrance):
+        return float(max(material.roughness, MIN_SLOPE))
     if isinstance(material, AshikhminShirley):
         exponent = math.sqrt((material.exponent_u + 1) * (material.exponent_v + 1)) - 1
     elif isinstance(material, BlinnPhong):
@@ -245,12 +249,8 @@ def _emitter(light: Light, lamp_albedo: Any) -> Node:
         "bsdf": {"type": "diffuse", "reflectance": _rgb(lamp_albedo)},
     }
     if isinstance(light, SphereLight):
-        return {
-            "type": "sphere",
-            "center": list(light.position),
-            "radius": light.radius,
-            **lamp,
-        }
+        centre = list(light.position)
+        return {"type": "sphere", "center": centre, "radius": light.radius, **lamp}
     scale = mi.ScalarTransform4f().scale
     if isinstance(light, DiskLight):
         look = _look_at(light.position, light.target, (0.1, 1, 0.2))

@@ -10,6 +10,7 @@ from engine.brdf.albedo import albedo_diagnosis
 from engine.brdf.ashikhmin_shirley import AshikhminShirley
 from engine.brdf.base import Material
 from engine.brdf.blinn_phong import BlinnPhong
+from engine.brdf.cook_torrance import CookTorrance
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
 from engine.brdf.phong import Phong
@@ -23,9 +24,9 @@ def albedo_diagnoses(
     """What to say of materials that reflect more than they receive."""
     found = []
     for m, (name, material) in enumerate(zip(names, materials, strict=True)):
-        # Measuring takes a while, so leave out what cannot pass 1: models that conserve energy, and
-        # normalised lobes over a base whose colours add up to no more than 1.
-        if isinstance(material, Diffuse | Ggx | AshikhminShirley):
+        # Measuring takes a while, so leave out what is never told of: models that conserve energy,
+        # and normalised lobes over a base whose colours add up to no more than 1.
+        if isinstance(material, Diffuse | Ggx | AshikhminShirley | CookTorrance):
             continue
         if isinstance(material, Phong | BlinnPhong) and (
             np.max(np.add(material.diffuse, material.specular)) <= 1.0 + 1e-6

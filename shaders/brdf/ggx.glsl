@@ -1,7 +1,6 @@
 // Twin of engine/brdf/ggx.py, which says where the formulas are from.
 
-#include "brdf/base.glsl"
-#include "brdf/fresnel.glsl"
+#include "brdf/coupled.glsl"
 
 const float MIN_ALPHA = 0.002;
 
@@ -26,11 +25,7 @@ vec3 evaluate_ggx(float p[BRDF_ROW], vec3 wi, vec3 wo)
         return vec3(0.0);
     float alpha = max(MIN_ALPHA, p[6] * p[6]);
     vec3 f0 = specular_colour(p);
-    // The base, which vanishes where the facets let nothing through.
-    vec3 passed = (1.0 - fresnel(f0, wi.z)) * (1.0 - fresnel(f0, wo.z));
-    vec3 mean = max(vec3(1e-9), 1.0 - f0 - (f90(f0) - f0) / 21.0);
-    vec3 base = diffuse_colour(p) * passed / (PI * mean);
     float visible = 0.5 / max(1e-30, wo.z * stretched(alpha, wi.z) + wi.z * stretched(alpha, wo.z));
     vec3 h = normalize(wi + wo);
-    return base + fresnel(f0, dot(wo, h)) * (visible * distribution(alpha, h));
+    return coupled_base(p, wi, wo) + fresnel(f0, dot(wo, h)) * (visible * distribution(alpha, h));
 }

@@ -220,8 +220,17 @@ def test_area_light_over_plane(kind):
         },
         {"type": "ashikhmin_shirley", "exponent_u": 3, "exponent_v": 400},
         SKIN.model_dump(),
+        {"type": "cook_torrance", "specular": [0.9, 0.5, 0.1], "roughness": 0.2},
     ],
-    ids=["ggx rough", "ggx sharp", "phong", "blinn-phong", "ashikhmin-shirley", "skin"],
+    ids=[
+        "ggx rough",
+        "ggx sharp",
+        "phong",
+        "blinn-phong",
+        "ashikhmin-shirley",
+        "skin",
+        "cook-torrance",
+    ],
 )
 def test_gloss_under_white_sky(material):
     """A plane in a white furnace shows its albedo, as the engine's own quadrature has it."""

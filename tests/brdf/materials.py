@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from engine.brdf import Material
 from engine.brdf.ashikhmin_shirley import AshikhminShirley
+from engine.brdf.cook_torrance import CookTorrance
 from engine.brdf.ggx import Ggx
 from engine.brdf.published import PUBLISHED
 from engine.brdf.table import INDEX, MODELS
@@ -73,7 +74,7 @@ def model_and_row(material: Material) -> tuple[int, NDArray[np.float32]]:
 LOBES = [m for description in MODELS for m in lobes(description)]
 EXTREMES = [*(m for description in MODELS for m in extremes(description)), *PUBLISHED.values()]
 # Models whose reflectance rises to white at grazing angles, whatever their colours.
-WITH_FRESNEL = (Ggx, AshikhminShirley)
+WITH_FRESNEL = (Ggx, AshikhminShirley, CookTorrance)
 
 
 def direction(theta_degrees: float, phi_degrees: float = 20.0) -> NDArray[np.float64]:

@@ -16,12 +16,14 @@ from engine.brdf import (
     sample,
 )
 from engine.brdf.blinn_phong import BlinnPhong
+from engine.brdf.cook_torrance import CookTorrance
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
 from engine.brdf.phong import Phong
 from engine.brdf.table import INDEX, MODELS
 
 WHITE = (1.0, 1.0, 1.0)
+FACETS = pytest.mark.parametrize("model", [Ggx, CookTorrance])
 SHARPNESS = (0.0, 1.0, 7.0, 60.0, 3000.0)
 
 
@@ -53,24 +55,26 @@ def test_blinn_phong_exponent_zero_is_lambert() -> None:
     np.testing.assert_allclose(value, 1 / np.pi, rtol=1e-12)
 
 
-def test_ggx_without_specular_is_lambert() -> None:
+@FACETS
+def test_facets_without_specular_are_lambert(model: type[Ggx] | type[CookTorrance]) -> None:
     """No interface, no loss: `specular` 0 leaves the base alone."""
     rng = np.random.default_rng(6)
     wi, wo = hemisphere(rng, 200), hemisphere(rng, 200)
-    ggx = Ggx(diffuse=(0.2, 0.5, 0.9), specular=BLACK, roughness=0.2)
+    base = model(diffuse=(0.2, 0.5, 0.9), specular=BLACK, roughness=0.2)
     lambert = Diffuse(diffuse=(0.2, 0.5, 0.9))
     np.testing.assert_allclose(
-        evaluate(*model_and_row(ggx), wi, wo), evaluate(*model_and_row(lambert), wi, wo)
+        evaluate(*model_and_row(base), wi, wo), evaluate(*model_and_row(lambert), wi, wo)
     )
     np.testing.assert_allclose(
-        pdf(*model_and_row(ggx), wi, wo), pdf(*model_and_row(lambert), wi, wo)
+        pdf(*model_and_row(base), wi, wo), pdf(*model_and_row(lambert), wi, wo)
     )
 
 
-def test_ggx_smooth_reflects_fresnel() -> None:
+@FACETS
+def test_smooth_facets_reflect_fresnel(model: type[Ggx] | type[CookTorrance]) -> None:
     """At the least roughness facets reflect Schlick's F, and a white base all the rest."""
-    facets = Ggx(diffuse=BLACK, specular=(0.04, 0.2, 0.9), roughness=0)
-    white = Ggx(diffuse=WHITE, specular=(0.04, 0.2, 0.9), roughness=0)
+    facets = model(diffuse=BLACK, specular=(0.04, 0.2, 0.9), roughness=0)
+    white = model(diffuse=WHITE, specular=(0.04, 0.2, 0.9), roughness=0)
     for angle in (0.0, 30.0, 60.0, 75.0):
         wo = direction(angle)
         f0 = np.array([0.04, 0.2, 0.9])
@@ -106,7 +110,7 @@ def test_hemispherical_albedo() -> None:
     assert hemispherical_albedo(*model_and_row(glass))[0, 0] == pytest.approx(expected, abs=1e-3)
 
 
-@pytest.mark.parametrize("model", [Phong, BlinnPhong, Ggx])
+@pytest.mark.parametrize("model", [Phong, BlinnPhong, Ggx, CookTorrance])
 def test_density_is_the_mean_of_its_lobes(model: type[Phong]) -> None:
     """`sample` picks a lobe as often as `pdf` says."""
     both, base = model(), Diffuse(diffuse=(0.5, 0.5, 0.5))
@@ -142,10 +146,11 @@ def test_ordinary_material_is_not(model: type[Diffuse]) -> None:
     assert albedo_diagnosis("pot", *model_and_row(half)) is None
 
 
-def test_white_plastic_is_not_told_of() -> None:
-    """The coupled base of GGX never goes above 1 by more than the quadrature's error."""
+@FACETS
+def test_white_plastic_is_not_told_of(model: type[Ggx] | type[CookTorrance]) -> None:
+    """A coupled base never goes above 1 by more than the quadrature's error."""
     for roughness in (0.0, 0.1, 0.3, 0.5, 1.0):
-        white = Ggx(diffuse=WHITE, roughness=roughness)
+        white = model(diffuse=WHITE, roughness=roughness)
         assert albedo_diagnosis("wall", *model_and_row(white)) is None
 
 

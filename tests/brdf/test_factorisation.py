@@ -9,6 +9,7 @@ from brdf.materials import hemisphere, model_and_row
 from engine import brdf
 from engine.brdf.ashikhmin_shirley import AshikhminShirley
 from engine.brdf.base import Material
+from engine.brdf.cook_torrance import CookTorrance
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.factored import Factored, constant, evaluate, joined, light_vector, view_vector
 from engine.brdf.factorisation import (
@@ -202,8 +203,14 @@ def test_non_negative(name: str) -> None:
 
 @pytest.mark.parametrize(
     "material",
-    [RED_PHONG, SKIN, BRUSHED, Ggx(diffuse=(0.6, 0.2, 0.1), roughness=0.6)],
-    ids=["phong", "skin", "ashikhmin-shirley", "ggx"],
+    [
+        RED_PHONG,
+        SKIN,
+        BRUSHED,
+        Ggx(diffuse=(0.6, 0.2, 0.1), roughness=0.6),
+        CookTorrance(diffuse=(0.6, 0.2, 0.1), roughness=0.6),
+    ],
+    ids=["phong", "skin", "ashikhmin-shirley", "ggx", "cook-torrance"],
 )
 def test_textures_scale_the_terms(material: Material) -> None:
     """Base and gloss apart, each scaled: the fit of the material with those colours."""
