@@ -51,16 +51,21 @@ class BlinnPhong(Material):
 
 
 @njit
+def normalisation(n):
+    """N(n)."""
+    return (n + 2.0) * (n + 4.0) / (8.0 * math.pi * (2.0 ** (-0.5 * n) + n))
+
+
+@njit
 def evaluate(p, wi, wo):
     """k_d / π + k_s N(n) cosⁿ θ_h."""
     if wi[2] <= 0.0 or wo[2] <= 0.0:
         return (0.0, 0.0, 0.0)
     n = float(p[ROUGHNESS])
-    normalisation = (n + 2.0) * (n + 4.0) / (8.0 * math.pi * (2.0 ** (-0.5 * n) + n))
     h = normalize(add(wi, wo))
     return add(
         scale(diffuse_colour(p), 1.0 / math.pi),
-        scale(specular_colour(p), normalisation * min(1.0, h[2]) ** n),
+        scale(specular_colour(p), normalisation(n) * min(1.0, h[2]) ** n),
     )
 
 

@@ -76,17 +76,21 @@ def _beckmann(m, h):
 
 
 @njit
+def visible(h, cos_d, wi, wo):
+    """G / (4 cos θ_i cos θ_o): of the two that block, the lower direction does, and cancels."""
+    return min(
+        1.0 / max(1e-30, 4.0 * wi[2] * wo[2]),
+        h[2] / max(1e-30, 2.0 * cos_d * max(wi[2], wo[2])),
+    )
+
+
+@njit
 def evaluate(p, wi, wo):
     """f_d + f_s."""
     if wi[2] <= 0.0 or wo[2] <= 0.0:
         return (0.0, 0.0, 0.0)
     h, cos_d = half(wi, wo)
-    # G / (4 cos θ_i cos θ_o): of the two that block, the lower direction does, and cancels.
-    visible = min(
-        1.0 / max(1e-30, 4.0 * wi[2] * wo[2]),
-        h[2] / max(1e-30, 2.0 * cos_d * max(wi[2], wo[2])),
-    )
-    gloss = visible * _beckmann(_slope(p), h)
+    gloss = visible(h, cos_d, wi, wo) * _beckmann(_slope(p), h)
     return add(coupled_base(p, wi, wo), scale(fresnel(specular_colour(p), cos_d), gloss))
 
 

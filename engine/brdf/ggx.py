@@ -74,15 +74,19 @@ def _stretched(alpha, c):
 
 
 @njit
+def visible(p, wi, wo):
+    """G / (4 cos θ_i cos θ_o), simplified so that nothing vanishes at grazing angles."""
+    alpha = _alpha(p)
+    return 0.5 / max(1e-30, wo[2] * _stretched(alpha, wi[2]) + wi[2] * _stretched(alpha, wo[2]))
+
+
+@njit
 def evaluate(p, wi, wo):
     """f_d + f_s."""
     if wi[2] <= 0.0 or wo[2] <= 0.0:
         return (0.0, 0.0, 0.0)
-    alpha = _alpha(p)
-    # G / (4 cos θ_i cos θ_o), simplified so that nothing vanishes at grazing angles.
-    visible = 0.5 / max(1e-30, wo[2] * _stretched(alpha, wi[2]) + wi[2] * _stretched(alpha, wo[2]))
     h = normalize(add(wi, wo))
-    gloss = visible * _distribution(alpha, h)
+    gloss = visible(p, wi, wo) * _distribution(_alpha(p), h)
     return add(coupled_base(p, wi, wo), scale(fresnel(specular_colour(p), dot(wo, h)), gloss))
 
 
