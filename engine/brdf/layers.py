@@ -6,8 +6,8 @@
 
 with the quotients q_l fixed, and the colours a_l and curves f_l made from the material's
 parameters. γ is the angle between the half vector and the normal, or that between wi and the
-mirrored view. What Schlick's Fresnel makes of a curve is two of them (eq. 32), and what it leaves to
-a coupled base three constants. `engine.brdf.curve_basis` holds the curves.
+mirrored view. What Schlick's Fresnel makes of a curve is two of them (eq. 32), and what it leaves
+to a coupled base three constants. `engine.brdf.curve_basis` holds the curves.
 
 A row `p` that the quotients are taken from is that of the material when it was taken in hand. Of
 parameters that are neither a colour nor the width of the lobe, the quotients keep the old value:
