@@ -10,16 +10,15 @@ with e_j from a dense quadrature, once for a model and what its quotients keep.
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.brdf.base import GRAIN
+from engine.brdf.base import without_grain
 from engine.brdf.curve_basis import Basis, weights_at
-from engine.brdf.layers import CONSTANTS, CURVES, LAYERS, angle_of, factors
+from engine.brdf.layers import CONSTANTS, CURVES, LAYERS, Layers, angle_of, factors
 from engine.numerics.frames import tangents, to_world
 from engine.numerics.vec import dot, reflect
 
@@ -46,15 +45,20 @@ class Shares(NamedTuple):
 
 def shares(model: int, p: NDArray[np.float32], count: int, basis: Basis) -> Shares:
     """Those of the quotients that p makes; see `layers` and `curve_basis`."""
-    return _shares(model, p.tobytes(), count, basis)
-
-
-@lru_cache(maxsize=256)
-def _shares(model: int, row: bytes, count: int, basis: Basis) -> Shares:
-    p = np.frombuffer(row, np.float32).copy()
-    p[GRAIN : GRAIN + 2] = p[GRAIN : GRAIN + 2].any(), 0
     layers = LAYERS[model]
     assert layers is not None
+    known = (model, layers.held(p), count, basis)
+    if known not in _KNOWN:
+        _KNOWN[known] = _integrated(layers, model, without_grain(p[None])[0], count, basis)
+    return _KNOWN[known]
+
+
+_KNOWN: dict[tuple[int, float, int, Basis], Shares] = {}
+
+
+def _integrated(
+    layers: Layers, model: int, p: NDArray[np.float32], count: int, basis: Basis
+) -> Shares:
     s, height = _gauss(VIEWS)
     u, width = _gauss(PER_BAND * count)
     solid = 4 * u**3 * width

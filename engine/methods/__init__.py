@@ -6,13 +6,15 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import Any
 
 from engine.errors import NotFound
-from engine.methods import direct_to_indirect, glossy_prt
+from engine.methods import brdf_editing, direct_to_indirect, glossy_prt
 from engine.methods.base import EDITS, Frame, Method, Product, Progress, silent
 from engine.numerics.parallel import mark_worker, thread_count
 from engine.scene.scene import Scene
 from engine.store import Store
 
-METHODS: dict[str, Method] = {m.name: m for m in (direct_to_indirect.METHOD, glossy_prt.METHOD)}
+METHODS: dict[str, Method] = {
+    module.METHOD.name: module.METHOD for module in (direct_to_indirect, glossy_prt, brdf_editing)
+}
 
 
 def prepare(

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from engine.methods.base import Progress
 from engine.methods.chunks import run_chunks
-from engine.methods.direct_to_indirect.environment import EnvironmentRows
 from engine.methods.direct_to_indirect.product import NAME, Transfer
 from engine.methods.direct_to_indirect.reflected import glossy_pixels
 from engine.methods.direct_to_indirect.settings import Settings
 from engine.methods.fixed_view.cloud import GatherCloud, build_cloud, cloud_arrays, cloud_from
+from engine.methods.fixed_view.environment_light import EnvironmentRows
 from engine.methods.fixed_view.frame_buffer import Points
 from engine.methods.fixed_view.gather import ENVIRONMENT, Job, Lobes, cosine_lobes, gather_chunk
 from engine.methods.fixed_view.importance import wavelet_importance

@@ -21,7 +21,6 @@ from engine.methods.base import Frame, MaterialFit, require_supported
 from engine.methods.clock import Clock
 from engine.methods.direct_to_indirect.bounces import Bounces
 from engine.methods.direct_to_indirect.coverage import uncovered
-from engine.methods.direct_to_indirect.environment import EnvironmentLight, EnvironmentRows
 from engine.methods.direct_to_indirect.gl_transfer import GlTransfer, Parts, Standing
 from engine.methods.direct_to_indirect.gloss_limits import Caustics, blurred_mirrors, seen_as_matt
 from engine.methods.direct_to_indirect.light_balance import LightBalance
@@ -35,6 +34,7 @@ from engine.methods.direct_to_indirect.settings import Settings
 from engine.methods.direct_to_indirect.standing import StandingLight, both
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.direct import light_on_points
+from engine.methods.fixed_view.environment_light import EnvironmentLight, EnvironmentRows
 from engine.methods.fixed_view.nearest import build_grid
 from engine.methods.fixed_view.rows import PackedRows
 from engine.methods.fixed_view.tiles import coarse_tiles, pixel_tiles

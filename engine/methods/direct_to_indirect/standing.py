@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from engine.light.environment import Environment
 from engine.methods.direct_to_indirect.bounces import Bounced, Bounces
-from engine.methods.direct_to_indirect.environment import EnvironmentLight
 from engine.methods.fixed_view.cloud import GatherCloud
+from engine.methods.fixed_view.environment_light import EnvironmentLight
 from engine.numerics import haar
 
 

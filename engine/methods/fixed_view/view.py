@@ -106,11 +106,21 @@ class View:
             out = self.pictures.total(
                 2, shining, lambda light: light_on_pixels(*args, light), len(points)
             )
+        self.add_sources(out, on, scale, environment)
+        return out
+
+    def add_sources(
+        self,
+        out: NDArray[np.float32],
+        lights: tuple[Light, ...],
+        scale: int,
+        environment: Environment | None,
+    ) -> None:
+        """Add what the camera sees of emission, environment and lights to a picture (n, 3)."""
         out += self.every(self.backdrop.picture(environment), scale)
-        for light in on:
+        for light in lights:
             if light.enabled and light.has_extent:
                 self._show_light(light, scale, out)
-        return out
 
     def every(self, picture: NDArray[np.float32], scale: int) -> NDArray[np.float32]:
         """Every scale-th pixel of every scale-th row of a whole picture (n, 3)."""

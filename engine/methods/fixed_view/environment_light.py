@@ -58,7 +58,7 @@ class EnvironmentLight:
         self._runs = run_tiles(len(cloud))
         self._reflected = cloud.albedo / np.float32(np.pi)
         self._environment: Environment | None = None
-        self._samples = NONE
+        self._samples = self.radiance = NONE
         self._map, self._rest, self._lamps = NONE, NONE, list[Lamp]()
         self.suns: tuple[SunLight, ...] = ()
         self.sharpness = 0.0
@@ -77,6 +77,7 @@ class EnvironmentLight:
         self.suns = suns(environment, self._lamps) if self._sees_out else ()
         samples = environment_samples(replace(environment, radiance=self._rest))
         self.sharpness = brightest_share(samples)
+        self.radiance = samples
         self._samples = haar.forward(samples)
         self._gather, self._view = None, {}
 

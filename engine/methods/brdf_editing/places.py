@@ -1,0 +1,61 @@
+"""The pixels and sub-samples that show a scene, whatever its materials are at the moment."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.brdf.base import GRAIN
+from engine.methods.brdf_editing.fold import Surface
+from engine.methods.fixed_view.view import View
+from engine.scene.scene import MaterialTable
+
+TEXTURED = 7  # places of a row that textures multiply
+
+
+class Places:
+    """Pixels' centres, then the sub-samples of those at edges."""
+
+    def __init__(self, view: View, table: MaterialTable) -> None:
+        """The table is that which the view was made with."""
+        buffer = view.buffer
+
+        def joined(name: str) -> NDArray[Any]:
+            both = getattr(buffer.centre, name), getattr(buffer.sub, name)
+            return np.concatenate(both)
+
+        count = len(buffer.centre)
+        edge = np.full(count, -1, np.int32)
+        edge[buffer.edge] = np.arange(len(buffer.edge), dtype=np.int32)
+        material, row = joined("material"), joined("row")
+        self._there: NDArray[np.bool_] = material >= 0
+        self._grain = row[:, GRAIN:]
+        constant = table.row[material, :TEXTURED]
+        ratio = row[:, :TEXTURED] / np.where(constant > 0, constant, 1)
+        self._texture = np.where(constant > 0, ratio, 1).astype(np.float32)
+        self._surface = Surface(
+            joined("position"), joined("normal"), joined("geometric"), joined("view"),
+            joined("size"), material, joined("model"), row,
+            np.ascontiguousarray(self._texture[:, :3]), edge, buffer.donor,
+        )  # fmt: skip
+
+    def surface(self, table: MaterialTable) -> Surface:
+        """All of them with the materials of a table."""
+        material = self._surface.material
+        row = table.row[material]
+        row[:, :TEXTURED] *= self._texture
+        brushed = row[:, GRAIN:].any(axis=1, keepdims=True)
+        row[:, GRAIN:] = np.where(brushed, self._grain, 0)
+        model = np.where(self._there, table.model[material], -1).astype(np.int32)
+        return self._surface._replace(model=model, row=row)
+
+    def showing(self, material: int) -> NDArray[np.int32]:
+        """(m,) int32: the pixels that show a material, wholly or in part."""
+        edge = self._surface.edge
+        mine = self._surface.material == material
+        whole = mine[: len(edge)] & (edge < 0)
+        part = mine[len(edge) :].reshape(-1, 4).any(axis=1)
+        whole[edge >= 0] = part[edge[edge >= 0]]
+        return np.flatnonzero(whole).astype(np.int32)

@@ -1,0 +1,163 @@
+"""Precompute: view samples, gather cloud, one bounce, what rays meet, which lights are seen."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import asdict
+from functools import partial
+
+import numpy as np
+
+from engine.light.base import Light
+from engine.methods.base import Progress
+from engine.methods.brdf_editing.light_seen import Shining, seen_of, shining
+from engine.methods.brdf_editing.links import Job as LinkJob
+from engine.methods.brdf_editing.links import link_chunk
+from engine.methods.brdf_editing.patterns import patterns
+from engine.methods.brdf_editing.product import NAME, Polynomial, Transport
+from engine.methods.brdf_editing.settings import Settings
+from engine.methods.chunks import Arrays, run_chunks
+from engine.methods.fixed_view.cloud import GatherCloud, build_cloud, cloud_arrays, cloud_from
+from engine.methods.fixed_view.environment_light import EnvironmentLight, EnvironmentRows
+from engine.methods.fixed_view.gather import ENVIRONMENT, Job, cosine_lobes, gather_chunk
+from engine.methods.fixed_view.importance import wavelet_importance
+from engine.methods.fixed_view.nearest import build_grid
+from engine.methods.fixed_view.rows import PackedRows, no_rows
+from engine.methods.fixed_view.tiles import run_tiles
+from engine.methods.fixed_view.view import View
+from engine.scene.scene import Scene
+from engine.store import Store
+
+VERSION = 1  # of the stored arrays and of what they mean
+AT_RUN_TIME = ("bands", "basis", "bounces")
+POINTS = 16384  # of a chunk of `light_seen`
+
+Work = tuple[Callable[[int], Arrays], int]
+"""What makes a chunk of its number, and how many there are."""
+
+
+def precompute(
+    scene: Scene, settings: Settings, executor: Executor, progress: Progress, store: Store
+) -> Polynomial:
+    """The transport of a scene: read from the store, finished from its chunks, or made."""
+    entry = store.entry(key(scene, settings))
+    parts = store.entry(key(scene, settings) + ".parts")
+    progress("view samples", 0, 1)
+    view = View(scene)
+    progress("view samples", 1, 1)
+    found = entry.read("cloud")
+    if found is None:
+        progress("gather cloud", 0, 1)
+        cloud = build_cloud(
+            scene, view.buffer.centre, settings.gather_samples, settings.position_weight, "uniform",
+            settings.seed,
+        )  # fmt: skip
+        entry.write("cloud", cloud_arrays(cloud), {})
+        progress("gather cloud", 1, 1)
+    else:
+        cloud = cloud_from(found.arrays)
+
+    def made(name: str, job: Callable[[], Work]) -> Arrays:
+        """Arrays from the store, or from the chunks that `job` tells how to make, and how many."""
+        stored = entry.read(name)
+        if stored is not None:
+            return dict(stored.arrays)
+        make, chunks = job()
+        arrays = run_chunks(make, chunks, name, parts, executor, progress)
+        entry.write(name, arrays, {})
+        return arrays
+
+    bounce = made("bounce", lambda: _bounces(scene, settings, cloud))
+    beyond = PackedRows(*(bounce[ENVIRONMENT + name] for name in PackedRows._fields))
+    environment = _environment_light(cloud, beyond)
+    sample = made("links", lambda: _links(scene, settings, view, cloud))["sample"]
+    suns: tuple[Light, ...] = ()
+    if scene.environment is not None:
+        environment.use(scene.environment)
+        suns = environment.suns
+    lights = (*scene.lights, *suns)
+    digest = hashlib.blake2b(digest_size=8)
+    digest.update("\n".join(light.model_dump_json() for light in lights).encode())
+    # Other lights are looked for anew.
+    seen = made(f"seen-{digest.hexdigest()}", lambda: _seen(view, shining(lights)))["seen"]
+    parts.remove()
+    rows = PackedRows(*(bounce[name] for name in PackedRows._fields))
+    return Polynomial(view, settings, cloud, Transport(rows, sample, seen, lights, environment))
+
+
+def _seen(view: View, on: Shining) -> Work:
+    """Of pixels, then sub-samples."""
+    buffer = view.buffer
+    pieces = [
+        (points, start)
+        for points in (buffer.centre, buffer.sub)
+        for start in range(0, len(points), POINTS)
+    ]
+
+    def chunk(number: int) -> Arrays:
+        points, start = pieces[number]
+        stop = min(start + POINTS, len(points))
+        return {"seen": seen_of(view.scene.rays, points, on, start, stop)}
+
+    return chunk, len(pieces)
+
+
+def _environment_light(cloud: GatherCloud, rows: PackedRows) -> EnvironmentLight:
+    """What the environment sends to a cloud of albedo 1, over π the irradiance."""
+    white = GatherCloud(
+        cloud.points, np.ones_like(cloud.albedo), cloud.emission, cloud.area, cloud.clusters
+    )
+    return EnvironmentLight(white, EnvironmentRows(rows, no_rows(0), no_rows(0)), {})
+
+
+def key(scene: Scene, settings: Settings) -> str:
+    """Name of the stored product: a digest of all that it depends on."""
+    digest = hashlib.blake2b(digest_size=16)
+    fixed = {k: v for k, v in asdict(settings).items() if k not in AT_RUN_TIME}
+    for part in (NAME, VERSION, scene.transport_digest, scene.camera.model_dump_json(), fixed):
+        digest.update(f"{part}\n".encode())
+    return digest.hexdigest()
+
+
+def _bounces(scene: Scene, settings: Settings, cloud: GatherCloud) -> Work:
+    points = cloud.points
+    job = Job(
+        positions=scene.geometry.positions,
+        triangles=scene.geometry.triangles,
+        tiles=run_tiles(len(cloud)),
+        position=points.position,
+        normal=points.normal,
+        geometric=points.geometric,
+        leaf_position=points.position,
+        leaf_geometric=points.geometric,
+        clusters=cloud.clusters,
+        importance=wavelet_importance(scene, cloud, settings.seed),
+        lobes=cosine_lobes(points.normal),
+        count=settings.bounce_rays,
+        link_size=1.0,
+        patch_size=1.0,
+        coefficients=settings.bounce_coefficients,
+        environment_coefficients=max(1, settings.bounce_coefficients // 2),
+        seed=settings.seed + 1,
+        rays=scene.rays,
+    )
+    return partial(gather_chunk, job), job.chunks
+
+
+def _links(scene: Scene, settings: Settings, view: View, cloud: GatherCloud) -> Work:
+    points = cloud.points
+    job = LinkJob(
+        positions=scene.geometry.positions,
+        triangles=scene.geometry.triangles,
+        points=view.buffer.centre,
+        width=scene.camera.width,
+        patterns=patterns(settings),
+        leaf_position=points.position,
+        leaf_geometric=points.geometric,
+        depth=cloud.clusters.depth,
+        grid=build_grid(points.position, points.geometric, cloud.area),
+        rays=scene.rays,
+    )
+    return partial(link_chunk, job), job.chunks
