@@ -2,7 +2,7 @@
 
 Every shape is counter-clockwise seen from outside, and brings its own shading normals and texture
 coordinates (origin at the lower left). Surfaces of revolution are closed where their profile is,
-all others are closed or flat.
+the teapot is open where Newell's is, all others are closed or flat.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from pydantic import Field, model_validator
 from engine.numerics.description import Description, Point
 from engine.scene.curved import Revolution, Tube, revolution, tube
 from engine.scene.part import Part, grid_triangles, joined, with_corners
+from engine.scene.teapot import Teapot, teapot
 
 Size = Annotated[float, Field(gt=0, le=1e6)]
 Segments = Annotated[int, Field(ge=1, le=2048)]
@@ -100,7 +101,7 @@ class Polygons(Description):
 
 
 AnyShape = Annotated[
-    Rectangle | Box | Sphere | Disk | Cylinder | TorusKnot | Revolution | Tube | Polygons,
+    Rectangle | Box | Sphere | Disk | Cylinder | TorusKnot | Revolution | Tube | Teapot | Polygons,
     Field(discriminator="shape"),
 ]
 
@@ -252,5 +253,6 @@ _MAKERS: dict[type, Callable[[Any], Part]] = {
     TorusKnot: _torus_knot,
     Revolution: revolution,
     Tube: tube,
+    Teapot: teapot,
     Polygons: _polygons,
 }
