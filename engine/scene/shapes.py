@@ -1,7 +1,8 @@
 """Shapes that a scene description can ask for by name instead of a mesh file.
 
-Every shape is closed or flat, counter-clockwise seen from outside, and brings its own shading
-normals and texture coordinates (origin at the lower left).
+Every shape is counter-clockwise seen from outside, and brings its own shading normals and texture
+coordinates (origin at the lower left). Surfaces of revolution are closed where their profile is,
+the teapot is open where Newell's is, all others are closed or flat.
 """
 
 from __future__ import annotations
@@ -14,7 +15,9 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from engine.numerics.description import Description, Point
-from engine.scene.part import Part
+from engine.scene.curved import Revolution, Tube, revolution, tube
+from engine.scene.part import Part, grid_triangles, joined, with_corners
+from engine.scene.teapot import Teapot, teapot
 
 Size = Annotated[float, Field(gt=0, le=1e6)]
 Segments = Annotated[int, Field(ge=1, le=2048)]
@@ -98,7 +101,7 @@ class Polygons(Description):
 
 
 AnyShape = Annotated[
-    Rectangle | Box | Sphere | Disk | Cylinder | TorusKnot | Polygons,
+    Rectangle | Box | Sphere | Disk | Cylinder | TorusKnot | Revolution | Tube | Teapot | Polygons,
     Field(discriminator="shape"),
 ]
 
@@ -121,7 +124,7 @@ def _rectangle(shape: Rectangle) -> Part:
     positions = np.zeros((len(uv), 3))
     positions[:, :2] = (uv - 0.5) * shape.size
     normals = np.tile([0.0, 0, 1], (len(uv), 1))
-    return Part(positions, _grid_triangles(rows, columns), normals, uv)
+    return Part(positions, grid_triangles(rows, columns), normals, uv)
 
 
 def _box(shape: Box) -> Part:
@@ -145,26 +148,15 @@ def _box(shape: Box) -> Part:
     return Part(positions, triangles, np.repeat(faces[:, 2], 4, axis=0), np.tile(front.uvs, (6, 1)))
 
 
-def _grid_triangles(rows: int, columns: int) -> NDArray[np.int64]:
-    """Triangles of a grid of (rows + 1) x (columns + 1) vertices, row by row from the bottom."""
-    i, j = np.mgrid[0:rows, 0:columns].reshape(2, -1)
-    a = i * (columns + 1) + j
-    b, c, d = a + 1, a + columns + 2, a + columns + 1
-    return np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
-
-
 def _sphere(shape: Sphere) -> Part:
     rings, around = shape.rings, 2 * shape.rings
     v, u = np.mgrid[0 : rings + 1, 0 : around + 1].reshape(2, -1) / np.array([[rings], [around]])
     theta, phi = np.pi * v, 2 * np.pi * (u % 1)  # the seam closes exactly
     ring = np.where(v == 1, 0, np.sin(theta))  # sin π is not 0 in floating point
     normals = np.stack([ring * np.sin(phi), -np.cos(theta), ring * np.cos(phi)], axis=1)
-    triangles = _grid_triangles(rings, around)
-    # At the poles one of each quadrilateral's two triangles has no area.
-    row = triangles // (around + 1)
-    degenerate = (np.sum(row == 0, 1) == 2) & (np.max(row, 1) == 1)
-    degenerate |= (np.sum(row == rings, 1) == 2) & (np.min(row, 1) == rings - 1)
-    return Part(shape.radius * normals, triangles[~degenerate], normals, np.stack([u, v], 1))
+    positions = shape.radius * normals
+    triangles = with_corners(positions, grid_triangles(rings, around))
+    return Part(positions, triangles, normals, np.stack([u, v], 1))
 
 
 def _fan(radius: float, sides: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -196,7 +188,7 @@ def _cylinder(shape: Cylinder) -> Part:
     lean = np.full(len(u), (low - high) / shape.height)
     normals = np.stack([np.sin(phi), lean, np.cos(phi)], axis=1)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    parts = [Part(side, _grid_triangles(1, shape.sides), normals, np.stack([u, v], 1))]
+    parts = [Part(side, grid_triangles(1, shape.sides), normals, np.stack([u, v], 1))]
     for r, sign in ((low, -1.0), (high, 1.0)):
         flat, triangles = _fan(r, shape.sides)
         cap = np.stack(
@@ -204,7 +196,7 @@ def _cylinder(shape: Cylinder) -> Part:
         )
         normal = np.tile([0.0, sign, 0], (len(flat), 1))
         parts.append(Part(cap, triangles, normal, 0.5 + flat / (2 * r)))
-    return _joined(parts)
+    return joined(parts)
 
 
 def _torus_knot(shape: TorusKnot) -> Part:
@@ -227,7 +219,7 @@ def _torus_knot(shape: TorusKnot) -> Part:
     normals = np.cos(about)[:, None] * outward + np.sin(about)[:, None] * side
     return Part(
         centre + shape.tube * normals,
-        _grid_triangles(shape.sides, shape.segments),
+        grid_triangles(shape.sides, shape.segments),
         normals,
         np.stack([u, v], axis=1),
     )
@@ -249,17 +241,7 @@ def _polygons(shape: Polygons) -> Part:
                 uvs,
             )
         )
-    return _joined(parts)
-
-
-def _joined(parts: list[Part]) -> Part:
-    starts = np.cumsum([0] + [len(part.positions) for part in parts[:-1]])
-    return Part(
-        np.concatenate([part.positions for part in parts]),
-        np.concatenate([part.triangles + start for part, start in zip(parts, starts, strict=True)]),
-        np.concatenate([part.normals for part in parts if part.normals is not None]),
-        np.concatenate([part.uvs for part in parts if part.uvs is not None]),
-    )
+    return joined(parts)
 
 
 _MAKERS: dict[type, Callable[[Any], Part]] = {
@@ -269,5 +251,8 @@ _MAKERS: dict[type, Callable[[Any], Part]] = {
     Disk: _disk,
     Cylinder: _cylinder,
     TorusKnot: _torus_knot,
+    Revolution: revolution,
+    Tube: tube,
+    Teapot: teapot,
     Polygons: _polygons,
 }

@@ -20,12 +20,12 @@ def cornell() -> Scene:
 
 
 def test_every_built_in_scene_opens_without_complaint() -> None:
-    assert list(scenes()) == ["cornell-box", "knot", "room"]
+    assert list(scenes()) == ["cornell-box", "knot", "ring", "room", "teatray", "vase"]
     for name, summary in scenes().items():
         scene = open_scene(name)
         assert scene.name == name
         assert scene.diagnoses == ()
-        assert len(scene.lights) >= 2
+        assert scene.lights or scene.environment
         assert len(summary) > 20
 
 

@@ -41,6 +41,9 @@ SHAPES: list[dict[str, Any]] = [
     {"shape": "cylinder", "radius": 1, "height": 3},
     {"shape": "cylinder", "radius": 1, "top_radius": 0.4, "height": 3},
     {"shape": "torus_knot", "turns": [2, 3]},
+    {"shape": "revolution", "profile": [[0, 0], [2, 0], [0.5, 2], [1, 3]], "segments": 32},
+    {"shape": "tube", "points": [[0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 2, 1]]},
+    {"shape": "teapot", "segments": 32},
     {"shape": "polygons", "polygons": [[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0.5, 2, 0], [0, 1, 0]]]},
 ]
 

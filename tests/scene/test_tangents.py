@@ -28,7 +28,9 @@ def of_shape(**shape: Any) -> tuple[shapes.Part, np.ndarray]:
     return part, vertex_tangents(part.positions, part.triangles, part.normals, part.uvs)
 
 
-@pytest.mark.parametrize("shape", ["rectangle", "box", "sphere", "disk", "cylinder", "torus_knot"])
+@pytest.mark.parametrize(
+    "shape", ["rectangle", "box", "sphere", "disk", "cylinder", "torus_knot", "teapot"]
+)
 def test_unit_and_perpendicular(shape: str) -> None:
     part, found = of_shape(shape=shape)
     used = np.unique(part.triangles)

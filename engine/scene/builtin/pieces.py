@@ -6,6 +6,9 @@ import math
 from typing import Any
 
 Vector = tuple[float, float, float]
+Flat = tuple[float, float]
+
+ARC = 0.5523  # of the way to the corner, for a quarter of a circle
 
 
 def matt(*colour: float) -> dict[str, Any]:
@@ -67,3 +70,28 @@ def bowl(
         for k in range(sides)
     ]
     return [*side, [rim(low, y, -k) for k in range(sides)]]
+
+
+def rounded(*corners: Vector) -> list[Flat]:
+    """The profile of a surface of revolution: straight from corner to corner (radius, height, cut),
+    each of them rounded from `cut` before it to `cut` behind it.
+    """
+    path: list[Flat] = [corners[0][:2]]
+    for before, corner, after in zip(corners, corners[1:], corners[2:], strict=False):
+        here, cut = corner[:2], corner[2]
+        start, end = (
+            _between(here, way[:2], cut / math.dist(here, way[:2])) for way in (before, after)
+        )
+        path += _straight(path[-1], start)
+        if cut > 0:
+            path += [_between(start, here, ARC), _between(end, here, ARC), end]
+    return path + _straight(path[-1], corners[-1][:2])
+
+
+def _between(a: Flat, b: Flat, part: float) -> Flat:
+    return (a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1]))
+
+
+def _straight(a: Flat, b: Flat) -> list[Flat]:
+    """The control points that follow a on the way to b."""
+    return [_between(a, b, 1 / 3), _between(a, b, 2 / 3), b]
