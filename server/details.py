@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.brdf.diffuse import Diffuse
+from engine.brdf.layers import LAYERS
 from engine.brdf.published import PUBLISHED
+from engine.brdf.table import MODELS
 from engine.errors import NotFound
 from engine.light.far_disk import FarDisk
 from engine.light.maps import BUILT_IN
@@ -50,6 +52,7 @@ def scene_detail(stage: Stage, uploads: list[MapSummary], job: JobState | None) 
             area_light=FarDisk.model_json_schema(),
         ),
         materials=list(scene.material_names),
+        material_types=material_types(),
         material_presets=material_presets(),
         objects=list(scene.object_names),
         triangles=len(scene.geometry.triangles),
@@ -79,6 +82,12 @@ def method_states(stage: Stage) -> list[MethodState]:
 def light_types() -> dict[str, dict[str, Any]]:
     """The JSON schema of every kind of light, by its `type`."""
     return {kind.model_fields["type"].default: kind.model_json_schema() for kind in LIGHTS}
+
+
+def material_types() -> dict[str, dict[str, Any]]:
+    """The JSON schema of every kind of material that is edited at once, by its `type`."""
+    able = [kind for kind, layers in zip(MODELS, LAYERS, strict=True) if layers is not None]
+    return {kind.model_fields["type"].default: kind.model_json_schema() for kind in able}
 
 
 def material_presets() -> dict[str, dict[str, Any]]:

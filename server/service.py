@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from engine.errors import EditNotSupported, NotFound
-from engine.methods import METHODS, prepare
+from engine.methods import EDITS, METHODS, prepare
 from engine.methods.base import Progress
 from engine.scene.camera import Camera
 from engine.scene.edits import Edits
@@ -63,7 +63,8 @@ class Service:
         for other materials, which have to be asked for by name.
         """
         camera = stage.camera(edits)
-        if edits.materials or stage.product(camera, method) is not None:
+        held = edits.materials and "materials" not in EDITS[method]
+        if held or stage.product(camera, method) is not None:
             self.jobs.look_away(watcher)
             return None
         task = self.task(stage, camera, method)

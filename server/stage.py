@@ -40,7 +40,8 @@ HELD = CAMERA | {"materials"}  # what products may be made for
 class View(NamedTuple):
     """What draws a frame: `scale` is left for it to apply; `method` names it to the user.
 
-    `made_for` are the keys of the edits that it was made for, and takes none of.
+    `made_for` are the keys of the edits that it was made for, and takes none of. A preview shows
+    the scene's own materials whatever is made of them.
     """
 
     renderer: Product | DirectPreview
@@ -145,7 +146,7 @@ class Stage:
         product = self._products.use(_key(camera, method, materials))
         if product is not None:
             return View(product, scale, product.method, HELD - EDITS[method])
-        if materials:
+        if materials and "materials" not in EDITS[method]:
             raise EditNotSupported(
                 f"{method} holds materials fixed: have it precomputed with these first",
                 field="materials",
@@ -153,7 +154,7 @@ class Stage:
         key = camera.model_dump_json()
         preview = self._previews.use(key)
         if preview is not None:
-            return View(preview, scale, "direct", CAMERA)
+            return View(preview, scale, "direct", HELD)
         if scale > 1:
             # A camera that moves would pay for a full buffer at every step: trace fewer rays.
             camera = camera.model_copy(
@@ -161,7 +162,7 @@ class Stage:
             )
         preview = DirectPreview(self.scene().with_camera(camera))
         self._previews.keep(camera.model_dump_json(), preview)
-        return View(preview, 1, "direct", CAMERA)
+        return View(preview, 1, "direct", HELD)
 
 
 def _key(camera: Camera, method: str, materials: Materials | None) -> Key:

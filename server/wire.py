@@ -115,7 +115,8 @@ class MaterialDetail(Wire):
 class SceneDetail(Wire):
     """What can be seen and edited in a scene; `light_types` has a JSON schema per type.
 
-    `material_presets` are materials by name, as edits take them.
+    `material_types` the same of those that can be edited at once; `material_presets` are
+    materials by name, as edits take them.
     """
 
     name: str
@@ -126,6 +127,7 @@ class SceneDetail(Wire):
     light_types: dict[str, dict[str, Any]]
     environment: EnvironmentDetail
     materials: list[str]
+    material_types: dict[str, dict[str, Any]]
     material_presets: dict[str, dict[str, Any]]
     objects: list[str]
     triangles: int

@@ -3,6 +3,7 @@
 import { EnvironmentPanel } from "./environment.js";
 import { Handles } from "./handles.js";
 import { Live } from "./live.js";
+import { MaterialEditor } from "./material_editor.js";
 import { Materials, post } from "./materials.js";
 import { Orbit } from "./orbit.js";
 import { Panel } from "./panel.js";
@@ -18,6 +19,7 @@ const context = canvas.getContext("2d", { alpha: false });
 const METHODS = {
   direct_to_indirect: ["Lights", "drag the lamps; the camera stands still"],
   glossy_prt: ["Camera and sky", "turn the view and the environment"],
+  brdf_editing: ["Materials", "change what things are made of; light and camera stand still"],
 };
 
 const state = new State();
@@ -47,13 +49,23 @@ const materials = new Materials(
   { part: find("materials-part"), list: find("materials") },
   { call, follow: (job) => status.asked(job), problem: (problem) => status.problem(problem) },
 );
+const editor = new MaterialEditor(
+  state,
+  {
+    part: find("editor-part"), list: find("editor-list"), box: find("editor"),
+    reset: find("editor-reset"),
+  },
+  call,
+);
 const orbit = new Orbit(state, find("picture"), find("camera-mode"));
 
 state.listen((what, moving) => {
   for (const side of [panel, environment]) what === "scene" ? side.open() : side.draw();
+  editor.draw();
   handles.draw();
   if (what === "scene" || what === "method") {
     materials.leave();
+    editor.open();
     drawMethods();
   }
   if (["scene", "method", "materials"].includes(what)) materials.refresh();

@@ -14,6 +14,7 @@ export class State {
     this.lights = [];
     this.environment = null;
     this.materials = {};
+    this.materialEdits = {};
     this.camera = null;
     this.exposure = 0;
     this.method = "direct_to_indirect";
@@ -35,6 +36,7 @@ export class State {
     this.lights = structuredClone(scene.lights);
     this.environment = structuredClone(scene.environment.description);
     this.materials = {};
+    this.materialEdits = {};
     this.camera = structuredClone(scene.camera);
     this.selected = scene.lights[0]?.id ?? null;
     this.#tell("scene");
@@ -90,6 +92,12 @@ export class State {
 
   resetEnvironment() {
     this.setEnvironment(structuredClone(this.scene.environment.description));
+  }
+
+  // Materials in the hand, whole ones by name, for a method that takes them.
+  setMaterialEdits(materials, moving = false) {
+    this.materialEdits = materials;
+    this.#tell("materialEdits", moving);
   }
 
   // Edits of materials that the method has been precomputed with, by name.
@@ -213,9 +221,12 @@ export class State {
       (light) => !same(light, this.scene.lights.find((old) => old.id === light.id)),
     );
     if (lights.length && this.takes("lights")) edits.lights = lights;
+    if (Object.keys(this.materialEdits).length && this.takes("materials")) {
+      edits.materials = this.materialEdits;
+    }
     // A method that holds the camera fixed too has not been precomputed with them.
     if (Object.keys(this.materials).length && this.takes("camera")) edits.materials = this.materials;
-    if (this.environmentChanged) edits.environment = this.#environmentEdit();
+    if (this.environmentChanged && this.takes("environment")) edits.environment = this.#environmentEdit();
     if (this.cameraMoved) {
       const { position, target, up, fov_y_degrees } = this.camera;
       edits.camera = { position, target, up, fov_y_degrees };

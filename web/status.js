@@ -4,10 +4,15 @@ const NAMES = {
   direct: "Direct light only",
   direct_to_indirect: "Direct-to-indirect transfer",
   glossy_prt: "Glossy transfer",
+  brdf_editing: "Material editing",
 };
 
 // What a precompute brings.
-const MADE = { direct_to_indirect: "Indirect light", glossy_prt: "Glossy transport" };
+const MADE = {
+  direct_to_indirect: "Indirect light",
+  glossy_prt: "Glossy transport",
+  brdf_editing: "Light for materials",
+};
 
 const PHASES = {
   bounce: "bounces between surfaces, step 1 of 2,",

@@ -12,12 +12,14 @@ from engine.backend.cpu.product import multiply
 from engine.measure.document import finite, provenance
 from engine.measure.fresh import fresh
 from engine.measure.machine import this_machine
+from engine.measure.material_edits import held_out_materials
 from engine.measure.probes import held_out_views
 from engine.measure.settings import settings_from
 from engine.measure.sweep import STEP, judged_on, time_frames
 from engine.measure.timing import repeat
 from engine.methods import METHODS
 from engine.methods.base import Progress, silent
+from engine.methods.brdf_editing import Polynomial
 from engine.methods.direct_to_indirect import Transfer
 from engine.methods.fixed_view.tiles import pixel_tiles, run_tiles
 from engine.methods.glossy_prt import Prt
@@ -57,11 +59,15 @@ def bench(
     return finite({**provenance(), "machine": machine.as_dict(), "scenes": found})
 
 
-def product_rate(product: Transfer | Prt) -> float:
-    """Bytes of the transport that its products with a light read per second.
+def product_rate(product: Transfer | Prt | Polynomial) -> float:
+    """Bytes of the transport that its products with a light, or with coefficients, read per second.
 
     The time of each is the median of its products alone, with nothing else of a frame in it.
     """
+    if isinstance(product, Polynomial):
+        edit = held_out_materials(product.view.scene, 1, seed=1)[0]
+        frames = [product.relight(edit) for _ in range(PRODUCTS)]
+        return product.bytes_in_hand / float(np.median([f.timings["evaluate"] for f in frames]))
     if isinstance(product, Prt):
         texels = 6 * product.settings.light_texels**2
         light = np.random.default_rng(1).normal(size=(texels, 3)).astype(np.float32)
@@ -100,6 +106,8 @@ def _bench_scene(
             views = held_out_views(scene, EDITS, seed=1)
             _, viewing, _ = time_frames(product, views, REPEATS, STEP * scene.diagonal)
             by_light["the camera moved"] = viewing.median
+        if "materials" in METHODS[method].edits:
+            by_light["another material taken in hand"] = _switch(product, edits)
         rate = product_rate(product)
         against = {}
         if against_rivals:
@@ -144,10 +152,18 @@ def _bench_scene(
     }
 
 
+def _switch(product: Polynomial, edits: Sequence[Edits]) -> float:
+    """Median seconds of the first frame of each edit, which takes another material in hand."""
+    return float(np.median([product.relight(edit).timings["total"] for edit in edits]))
+
+
 def _by_light(edits: Sequence[Edits], seconds: Sequence[float]) -> dict[str, float]:
     """Median seconds by what each edit moves: the environment, a light, or a new one of a type."""
     times: dict[str, list[float]] = {}
     for turn, took in enumerate(seconds):
+        if edits[turn % len(edits)].materials is not None:
+            times.setdefault("the material in hand", []).append(took)
+            continue
         if edits[turn % len(edits)].environment is not None:
             times.setdefault("the environment turned", []).append(took)
             continue

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from engine.errors import SceneError
 from engine.light.base import Light
 from engine.light.point import PointLight
+from engine.measure.material_edits import dragged
 from engine.scene.edits import Edits
 from engine.scene.scene import Scene
 
@@ -85,12 +86,16 @@ def nudged(edits: Edits, step: float) -> Edits:
     """The same edits moved on by a little.
 
     Every light that has a position, and the camera, by `step` metres along x; a turned environment
-    by TURN degrees for every thousandth of that.
+    by TURN degrees for every thousandth of that; a material's colour as far as a number.
     """
     if edits.environment is not None and "rotation_degrees" in edits.environment:
         angle = edits.environment["rotation_degrees"] + TURN * step * 1000
         return edits.model_copy(
             update={"environment": {**edits.environment, "rotation_degrees": angle}}
+        )
+    if edits.materials is not None:
+        return edits.model_copy(
+            update={"materials": {m: dragged(c, step) for m, c in edits.materials.items()}}
         )
     if edits.camera is not None:
         x, y, z = edits.camera["position"]

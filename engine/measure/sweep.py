@@ -17,6 +17,7 @@ import numpy as np
 from engine.errors import InputError, NotFound
 from engine.measure.edges import scene_edges
 from engine.measure.fresh import fresh
+from engine.measure.material_edits import held_out_materials
 from engine.measure.metrics import all_metrics, resolution
 from engine.measure.points import Point, Sweep
 from engine.measure.probes import held_out_edits, held_out_turns, nudged
@@ -48,9 +49,18 @@ SWEEPS: dict[str, dict[str, tuple[Any, ...]]] = {
         "bounce_coefficients": (24, 48, 96),
         "gather_texels": (8, 16, 32),
     },
+    "brdf_editing": {
+        "bands": (8, 16, 32, 64, 128),
+        "basis": ("tents", "boxes"),
+        "bounces": (0, 1, 2, 3, 5),
+        "view_rays": (64, 128, 256, 512, 1024),
+        "lobe_rays": (0.0, 0.15, 0.3, 0.5),
+        "gather_samples": (1024, 4096, 16384, 65536),
+    },
 }
 """Per method: the settings to sweep and their values."""
 
+JUDGED_ON = "lights", "materials", "environment"
 REPEATS = 9
 NEW_VIEW = "new view"  # a part of `Point.parts`
 STEP = 1e-3  # of the scene's size
@@ -124,17 +134,19 @@ def sweep(
 def judged_on(
     scene: Scene, methods: Sequence[str], count: int, seed: int
 ) -> tuple[Scene, list[Edits]]:
-    """(scene, edits) that methods are judged on: edits of lights, or turns of the environment.
+    """(scene, edits) that methods are judged on: of lights, of materials, or turns of the sky.
 
     A method that carries no lights is judged without the scene's own.
     """
-    lights = {"lights" in METHODS[method].edits for method in methods}
-    if len(lights) > 1:
+    taken = {next(key for key in JUDGED_ON if key in METHODS[method].edits) for method in methods}
+    if len(taken) > 1:
         raise InputError(
             f"{', '.join(methods)} take different edits: chart them one by one", field="method"
         )
-    if lights == {True}:
+    if taken == {"lights"}:
         return scene, held_out_edits(scene, count, seed)
+    if taken == {"materials"}:
+        return scene, held_out_materials(scene, count, seed)
     return scene.with_lights(()), held_out_turns(scene, count, seed)
 
 
@@ -186,18 +198,32 @@ def time_frames(
     """(frame of every edit, time of all repetitions, median seconds of their parts).
 
     Every repetition moves the edit's lights on by `step` metres, as a hand does: the product has
-    not seen any of them, and can repeat nothing that it remembers.
+    not seen any of them, and can repeat nothing that it remembers. A material stays in hand for all
+    of its repetitions. The times are in the order of the repetitions, edit by edit in each.
     """
-    frames = [product.relight(edit) for edit in edits]
-    timed: list[Frame] = []
-    seconds = []
-    for turn in range(1, repeats + 1):
-        for edit in edits:
-            moved = nudged(edit, turn * step)
-            start = time.perf_counter()
-            timed.append(product.relight(moved))
-            seconds.append(time.perf_counter() - start)
-    return frames, Timing(tuple(seconds)), median_parts(timed)
+    frames: list[Frame] = []
+    timed: list[list[Frame]] = []
+    seconds = np.zeros((repeats, len(edits)))
+
+    def time_one(turn: int, number: int) -> None:
+        moved = nudged(edits[number], (turn + 1) * step)
+        start = time.perf_counter()
+        timed[turn].append(product.relight(moved))
+        seconds[turn, number] = time.perf_counter() - start
+
+    timed = [[] for _ in range(repeats)]
+    if any(edit.materials for edit in edits):
+        for number, edit in enumerate(edits):
+            frames.append(product.relight(edit))
+            for turn in range(repeats):
+                time_one(turn, number)
+    else:
+        frames = [product.relight(edit) for edit in edits]
+        for turn in range(repeats):
+            for number in range(len(edits)):
+                time_one(turn, number)
+    parts = median_parts([frame for turn in timed for frame in turn])
+    return frames, Timing(tuple(seconds.ravel())), parts
 
 
 def median_parts(frames: Sequence[Frame]) -> dict[str, float]:

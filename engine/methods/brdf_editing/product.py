@@ -111,6 +111,12 @@ class Polynomial:
         return int(t.sample.nbytes + t.seen.nbytes + sum(a.nbytes for a in t.bounce))
 
     @property
+    def bytes_in_hand(self) -> int:
+        """Bytes that a frame reads: F and V of the material in hand."""
+        hand = self._hand
+        return sum(a.nbytes for a in (*hand.folded, hand.others)) if hand is not None else 0
+
+    @property
     def fits(self) -> tuple[MaterialFit, ...]:
         """None: materials are taken as they are."""
         return ()
@@ -158,10 +164,19 @@ class Polynomial:
         if hand is not None and _holds(hand, table, changed):
             return hand
         others = [m for m in changed if hand is None or m != hand.material]
-        material = int(others[-1] if others else changed[-1] if len(changed) else -1)
+        material = int((*changed, *others)[-1]) if len(changed) else self._most_seen()
         self._hand = None  # its arrays make room for the new ones
         self._hand = self._freeze(material, table)
         return self._hand
+
+    def _most_seen(self) -> int:
+        """The editable material that most pixels show: in hand before anything is; -1 for none."""
+        table = self.view.scene.material_table
+        seen = np.bincount(
+            np.maximum(self.view.buffer.centre.material, -1) + 1, minlength=len(table.model) + 1
+        )[1:]
+        seen[[LAYERS[model] is None for model in table.model]] = 0
+        return int(seen.argmax()) if seen.any() else -1
 
     def _require_editable(self, table: MaterialTable) -> None:
         scene = self.view.scene
