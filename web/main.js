@@ -152,6 +152,7 @@ function drawMethods() {
   });
   find("methods").replaceChildren(...buttons);
   find("lights-part").hidden = !state.takes("lights");
+  find("environment-part").hidden = !state.takes("environment");
   orbit.setMode(state.takes("camera"));
 }
 
