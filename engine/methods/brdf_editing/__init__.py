@@ -21,7 +21,7 @@ material are made of (`engine.brdf.layers`, `curve_basis`). A frame is these sum
 | ρ^m, c_j^m, b_j^m | `layers.LAYERS`, `curve_basis.coefficients`, `weights_at` |
 | d_m, e_j | `equivalent_albedo.shares` |
 | T^N_jz | `links`, `light_seen` and `CloudLight`, never multiplied out |
-| F^i_jn, V^i_n | `fold.fold`, `fold.reflect` |
+| F^i_jn, V^i_n | `fold.fold`, `reflect.reflect` |
 """
 
 from __future__ import annotations

@@ -22,6 +22,7 @@ from engine.numerics.sampling import cosine_hemisphere, cosine_power_hemisphere
 from engine.numerics.vec import dot, reflect, vec
 
 SIDE = 8
+FAR = 25.0  # cosines from where on a lobe is e⁻²⁵ of its peak, or less
 GOLDEN = 0.6180339887498949
 PLASTIC = 0.7548776662466927, 0.5698402909980532  # powers of the inverse of the plastic number
 
@@ -84,7 +85,8 @@ def weight_of(patterns, wi, wo):
     if lobes > 0:
         h, cos_d = half(wi, wo)
         n = patterns.exponent
-        density += (
-            lobes * (n + 1.0) / (2.0 * math.pi) * min(1.0, h[2]) ** n / max(1e-30, 4.0 * cos_d)
-        )
+        # Powers take long; most directions are far from the lobe.
+        if patterns.cosines == 0 or n * (1.0 - h[2]) < FAR:
+            lobe = (n + 1.0) / (2.0 * math.pi) * min(1.0, h[2]) ** n
+            density += lobes * lobe / max(1e-30, 4.0 * cos_d)
     return wi[2] / density

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.brdf.base import GRAIN
-from engine.methods.brdf_editing.fold import Surface
+from engine.methods.brdf_editing.arriving import Surface
 from engine.methods.fixed_view.view import View
 from engine.scene.scene import MaterialTable
 

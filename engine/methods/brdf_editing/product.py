@@ -17,12 +17,14 @@ from engine.brdf.layers import LAYERS
 from engine.errors import EditNotSupported
 from engine.light.base import Light
 from engine.methods.base import Frame, MaterialFit, require_supported
+from engine.methods.brdf_editing.arriving import Arriving
 from engine.methods.brdf_editing.evaluate import evaluate
-from engine.methods.brdf_editing.fold import Arriving, Folded, Slots, fold, reflect
+from engine.methods.brdf_editing.fold import Folded, Slots, fold
 from engine.methods.brdf_editing.light_seen import shining
 from engine.methods.brdf_editing.patterns import patterns
 from engine.methods.brdf_editing.places import Places
 from engine.methods.brdf_editing.polynomial import CloudLight
+from engine.methods.brdf_editing.reflect import direct_of, reflect
 from engine.methods.brdf_editing.settings import Settings
 from engine.methods.clock import Clock
 from engine.methods.fixed_view.cloud import GatherCloud
@@ -86,11 +88,13 @@ class Polynomial:
         self._first = self._irradiance()
         lit = scene.environment is not None
         beyond = transport.environment.radiance if lit else np.zeros((0, 3), np.float32)
+        self._points = Places(view, scene.material_table)
+        lights = shining(transport.lights)
+        direct = direct_of(self._points.surface(scene.material_table), lights, transport.seen)
         self._arriving = Arriving(
             patterns(settings), scene.camera.width, transport.sample,
-            np.zeros((0, 1, 3), np.float32), beyond, shining(transport.lights), transport.seen,
+            np.zeros((0, 1, 3), np.float32), beyond, lights, transport.seen, direct,
         )  # fmt: skip
-        self._points = Places(view, scene.material_table)
         self._texture = self._cloud_texture()
         self._hand: Hand | None = None
 
