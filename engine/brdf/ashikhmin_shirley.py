@@ -75,7 +75,13 @@ class AshikhminShirley(Material):
 
 
 @njit
-def base(c):
+def matt(wi, wo):
+    """ρ_d over its colour."""
+    return 28.0 / (23.0 * math.pi) * _base(wi[2]) * _base(wo[2])
+
+
+@njit
+def _base(c):
     """What either direction, at the cosine c, contributes to ρ_d."""
     return 1.0 - (1.0 - 0.5 * c) ** 5
 
@@ -102,8 +108,7 @@ def evaluate(p, wi, wo):
     """ρ_d + ρ_s."""
     if wi[2] <= 0.0 or wo[2] <= 0.0:
         return (0.0, 0.0, 0.0)
-    matt = 28.0 / (23.0 * math.pi) * base(wi[2]) * base(wo[2])
-    value = scale(_base_colour(p), matt)
+    value = scale(_base_colour(p), matt(wi, wo))
     h, cos_d = half(wi, wo)
     if cos_d <= GRAZING:
         return value
@@ -114,8 +119,8 @@ def evaluate(p, wi, wo):
 @njit
 def _base_share(p, wo):
     """Probability of sampling the base: its part of the light reflected towards wo, roughly."""
-    matt = scale(_base_colour(p), base(wo[2]))
-    return share(matt, fresnel(specular_colour(p), wo[2]))
+    base = scale(_base_colour(p), _base(wo[2]))
+    return share(base, fresnel(specular_colour(p), wo[2]))
 
 
 @njit
@@ -148,9 +153,9 @@ def pdf(p, wi, wo):
     """Base: cos θ_i / π. Lobe: that of the half vectors / (4 wo·h), eq. 8."""
     if wi[2] <= 0.0 or wo[2] <= 0.0:
         return 0.0
-    matt = _base_share(p, wo)
-    density = matt * wi[2] / math.pi
+    base = _base_share(p, wo)
+    density = base * wi[2] / math.pi
     h, cos_d = half(wi, wo)
     if cos_d > GRAZING:
-        density += (1.0 - matt) * _lobe(p, h) / (4.0 * cos_d)
+        density += (1.0 - base) * _lobe(p, h) / (4.0 * cos_d)
     return density

@@ -23,6 +23,7 @@ from engine.numerics.frames import tangents, to_world
 from engine.numerics.vec import dot, reflect
 
 VIEWS, TURNS = 12, 4  # heights of wo, and azimuths in a quarter of the circle
+KEPT = 256
 PER_BAND, ROUND = 4, 64  # angles in each band, and azimuths
 
 
@@ -49,6 +50,8 @@ def shares(model: int, p: NDArray[np.float32], count: int, basis: Basis) -> Shar
     assert layers is not None
     known = (model, layers.held(p), count, basis)
     if known not in _KNOWN:
+        if len(_KNOWN) >= KEPT:  # a held number may be anything
+            _KNOWN.clear()
         _KNOWN[known] = _integrated(layers, model, without_grain(p[None])[0], count, basis)
     return _KNOWN[known]
 

@@ -17,8 +17,14 @@ def f90(f0):
 
 
 @njit
+def rise(cosine):
+    """(1 - cos)⁵: how far F is on its way from F0 to F90."""
+    return (1.0 - min(1.0, max(0.0, cosine))) ** 5
+
+
+@njit
 def fresnel(f0, cosine):
     """F for a colour; cosine is that of the angle to the interface's normal."""
-    w = (1.0 - min(1.0, max(0.0, cosine))) ** 5
+    w = rise(cosine)
     g = f90(f0) * w
     return (f0[0] * (1.0 - w) + g, f0[1] * (1.0 - w) + g, f0[2] * (1.0 - w) + g)

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from engine.brdf import ashikhmin_shirley, blinn_phong, cook_torrance, diffuse, ggx, phong
 from engine.brdf.base import DIFFUSE, EXTRA, ROUGHNESS, SPECULAR, half, to_grain
+from engine.brdf.fresnel import f90, rise
 from engine.brdf.table import MODELS
 from engine.numerics.dispatch import by_index
 from engine.numerics.vec import dot
@@ -80,11 +81,6 @@ def place_of(cosine):
 
 
 @njit
-def _schlick(cosine):
-    return (1.0 - min(1.0, max(0.0, cosine))) ** 5
-
-
-@njit
 def _matt(p, wi, wo):
     return (0.0, 1.0 / math.pi, 0.0, 0.0, 0.0, 0.0)
 
@@ -105,14 +101,14 @@ def _blinn_phong(p, wi, wo):
 @njit
 def _of_facets(visible, h, cos_d, wi, wo):
     """Facets under a base that is coupled to them; visible is G / (4 cos θ_i cos θ_o)."""
-    i, o = _schlick(wi[2]), _schlick(wo[2])
+    i, o = rise(wi[2]), rise(wo[2])
     return (
         place_of(h[2]),
         1.0 / math.pi,
         (i + o) / math.pi,
         i * o / math.pi,
         visible,
-        visible * _schlick(cos_d),
+        visible * rise(cos_d),
     )
 
 
@@ -136,9 +132,9 @@ def _ashikhmin_shirley(p, wi, wo):
     x, y = g[0] * g[0], g[1] * g[1]
     ratio = float(p[EXTRA]) / max(LEAST, float(p[ROUGHNESS]))
     power = (x + ratio * y) / (x + y) if x + y > 0.0 else 1.0
-    matt = 28.0 / (23.0 * math.pi) * ashikhmin_shirley.base(wi[2]) * ashikhmin_shirley.base(wo[2])
+    matt = ashikhmin_shirley.matt(wi, wo)
     lobe = 1.0 / (4.0 * max(1e-30, cos_d * max(wi[2], wo[2])))
-    return (place_of(min(1.0, h[2]) ** power), matt, 0.0, 0.0, lobe, lobe * _schlick(cos_d))
+    return (place_of(min(1.0, h[2]) ** power), matt, 0.0, 0.0, lobe, lobe * rise(cos_d))
 
 
 def _diffuse_of(row: NDArray[np.float32]) -> NDArray[np.float64]:
@@ -156,7 +152,7 @@ def _specular(row: NDArray[np.float32]) -> NDArray[np.float64]:
 def _rise(row: NDArray[np.float32]) -> NDArray[np.float64]:
     """(3,): F90 - F0."""
     f0 = _specular(row)
-    return min(1.0, 50.0 * f0.max()) - f0
+    return np.asarray(f90.py_func(f0) - f0, np.float64)
 
 
 def _power_lobe(

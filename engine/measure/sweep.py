@@ -201,29 +201,20 @@ def time_frames(
     not seen any of them, and can repeat nothing that it remembers. A material stays in hand for all
     of its repetitions. The times are in the order of the repetitions, edit by edit in each.
     """
+    every = range(len(edits))
+    together = [[k] for k in every] if any(edit.materials for edit in edits) else [every]
     frames: list[Frame] = []
-    timed: list[list[Frame]] = []
+    timed: list[Frame] = []
     seconds = np.zeros((repeats, len(edits)))
-
-    def time_one(turn: int, number: int) -> None:
-        moved = nudged(edits[number], (turn + 1) * step)
-        start = time.perf_counter()
-        timed[turn].append(product.relight(moved))
-        seconds[turn, number] = time.perf_counter() - start
-
-    timed = [[] for _ in range(repeats)]
-    if any(edit.materials for edit in edits):
-        for number, edit in enumerate(edits):
-            frames.append(product.relight(edit))
-            for turn in range(repeats):
-                time_one(turn, number)
-    else:
-        frames = [product.relight(edit) for edit in edits]
+    for group in together:
+        frames += [product.relight(edits[k]) for k in group]
         for turn in range(repeats):
-            for number in range(len(edits)):
-                time_one(turn, number)
-    parts = median_parts([frame for turn in timed for frame in turn])
-    return frames, Timing(tuple(seconds.ravel())), parts
+            for k in group:
+                moved = nudged(edits[k], (turn + 1) * step)
+                start = time.perf_counter()
+                timed.append(product.relight(moved))
+                seconds[turn, k] = time.perf_counter() - start
+    return frames, Timing(tuple(seconds.ravel())), median_parts(timed)
 
 
 def median_parts(frames: Sequence[Frame]) -> dict[str, float]:

@@ -87,13 +87,14 @@ def came_along(powers, beyond, sample, d, none):
 
 @njit(fastmath={"contract", "reassoc"})
 def gather_even(surface, arriving, at, link, part, parts, none, total):
-    """Add the irradiance of a part, over π times the number of parts, to total (deg + 1, 3).
+    """Fill total (deg + 1, 3) with the irradiance of a part, over π times the number of parts.
 
     The rays that follow the cosine count alike, so that no direction need be known but of those
     that leave the scene.
     """
     cosines, sample, powers = arriving.patterns.cosines, arriving.sample[link], arriving.powers
     share = np.float32(1.0 / cosines)
+    total[:] = 0.0
     z, g = vec(surface.normal, at), vec(surface.geometric, at)
     s, t = tangents(z)
     for k in range(part, cosines, parts):
@@ -111,6 +112,8 @@ def gather_even(surface, arriving, at, link, part, parts, none, total):
         for n in range(total.shape[0]):
             for c in range(3):
                 total[n, c] += share * came[n, c]
+    for c in range(3):
+        total[0, c] += arriving.direct[at, c] / np.float32(parts)
 
 
 @njit

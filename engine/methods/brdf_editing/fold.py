@@ -28,11 +28,11 @@ from engine.methods.brdf_editing.arriving import (
     gather_even,
     part_of,
 )
-from engine.methods.brdf_editing.patterns import incident, pattern_of, weight_of
+from engine.methods.brdf_editing.patterns import pattern_of, ray_of, weight_of
 from engine.numerics.borrow import borrow
-from engine.numerics.frames import tangents, to_local, to_world
+from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
-from engine.numerics.vec import dot, vec
+from engine.numerics.vec import vec
 
 STEPS = 32767
 
@@ -89,10 +89,8 @@ def _fold(begin, end, surface, arriving, pixels, hand, slots, steps, unit):
             at, link = part_of(surface, i, part)
             if surface.material[at] == hand:
                 if slots.curves == 0 and arriving.patterns.cosines > 0:
-                    even[:] = 0.0
                     gather_even(surface, arriving, at, link, part, parts, none, even)
                     for c in range(3):
-                        even[0, c] += arriving.direct[at, c] / np.float32(parts)
                         total[:, 0, c] += surface.texture[at, c] * even[:, c]
                 else:
                     _fold_rays(surface, arriving, at, link, part, parts, slots, none, total)
@@ -109,11 +107,8 @@ def _fold_rays(surface, arriving, at, link, part, parts, slots, none, total):
     pattern, patterns = pattern_of(link, arriving.width), arriving.patterns
     sample, powers, beyond = arriving.sample[link], arriving.powers, arriving.beyond
     for k in range(part, sample.shape[0], parts):
-        wi = incident(patterns, pattern, k, wo)
+        wi, d = ray_of(patterns, pattern, k, wo, (s, t, z), g)
         if wi[2] <= 0.0:
-            continue
-        d = to_world(wi, s, t, z)
-        if dot(d, g) <= 0.0:
             continue
         came = came_along(powers, beyond, sample[k], d, none)
         f = factors(model, p, wi, wo)

@@ -15,14 +15,14 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.methods.brdf_editing.patterns import Patterns, incident, pattern_of
+from engine.methods.brdf_editing.patterns import Patterns, pattern_of, ray_of
 from engine.methods.fixed_view.frame_buffer import Points
-from engine.methods.fixed_view.gather_rays import TRIES, land, next_sample
+from engine.methods.fixed_view.gather_rays import find_samples, land
 from engine.methods.fixed_view.hierarchy import level_start
 from engine.methods.fixed_view.nearest import Grid
 from engine.numerics.borrow import borrow
-from engine.numerics.frames import tangents, to_local, to_world
-from engine.numerics.vec import add, dot, scale, vec
+from engine.numerics.frames import tangents, to_local
+from engine.numerics.vec import add, scale, vec
 from engine.scene.rays import RayTracer
 
 CHUNK = 4096  # pixels
@@ -80,21 +80,13 @@ def _met(job: Job, start: int, stop: int) -> NDArray[np.uint16]:
     origin, direction, ray = origin[:count], direction[:count], ray[:count]
     hits = job.rays.intersect(origin, direction)
     land(job.positions, job.triangles, hits.triangle, hits.distance, origin, direction)
-    which = np.flatnonzero(hits.triangle >= 0)
-    cluster, beyond = np.zeros(count, np.int32), np.full(count, -1, np.float32)
-    for _ in range(TRIES):
-        begin, way = np.zeros((2, len(which), 3), np.float32)
-        next_sample(
-            job.grid, job.depth, job.leaf_position, job.leaf_geometric, which, origin, direction,
-            beyond, cluster, begin, way,
-        )  # fmt: skip
-        which = which[job.rays.occluded(begin, way, 1.0)]
-    met = np.full(count, -1, np.int32)
-    hit = hits.triangle >= 0
-    met[hit] = cluster[hit] - level_start.py_func(job.depth)
+    hit, cluster = hits.triangle >= 0, np.zeros(count, np.int32)
+    apart = find_samples(
+        job.rays, job.grid, job.depth, job.leaf_position, job.leaf_geometric, np.flatnonzero(hit),
+        origin, direction, cluster,
+    )  # fmt: skip
+    met = np.where(hit, cluster - level_start.py_func(job.depth), -1).astype(np.int32)
     sample = np.full(room, BEYOND, np.uint16)
-    apart = np.zeros(count, np.bool_)
-    apart[which] = True
     _settle(ray, met, apart, n, sample)
     return sample.reshape(-1, n)
 
@@ -115,11 +107,8 @@ def _aim(
         wo = to_local(vec(view, i), s, t, z)
         x, pattern = add(vec(position, i), scale(g, epsilon)), pattern_of(i, width)
         for k in range(n):
-            wi = incident(patterns, pattern, k, wo)
+            wi, d = ray_of(patterns, pattern, k, wo, (s, t, z), g)
             if wi[2] <= 0.0:
-                continue
-            d = to_world(wi, s, t, z)
-            if dot(d, g) <= 0.0:
                 continue
             for c in range(3):
                 origin[count, c], direction[count, c] = x[c], d[c]

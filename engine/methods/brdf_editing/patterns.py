@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from engine.brdf.base import half
 from engine.methods.brdf_editing.settings import Settings
+from engine.numerics.frames import to_world
 from engine.numerics.sampling import cosine_hemisphere, cosine_power_hemisphere
 from engine.numerics.vec import dot, reflect, vec
 
@@ -67,14 +68,16 @@ def pattern_of(pixel, width):
 
 
 @njit
-def incident(patterns, pattern, k, wo):
-    """The incident direction of ray k; z ≤ 0 where the ray is lost."""
+def ray_of(patterns, pattern, k, wo, frame, geometric):
+    """(local, world) incident direction of ray k; local z ≤ 0 where it does not leave the surface.
+
+    frame is the tangent, bitangent and shading normal.
+    """
     w = vec(patterns.local[pattern], k)
-    if k < patterns.cosines:
-        return w
-    if dot(w, wo) <= 0.0:
-        return (0.0, 0.0, -1.0)
-    return reflect(wo, w)
+    if k >= patterns.cosines:
+        w = reflect(wo, w) if dot(w, wo) > 0.0 else (0.0, 0.0, -1.0)
+    d = to_world(w, frame[0], frame[1], frame[2])
+    return w if dot(d, geometric) > 0.0 else (0.0, 0.0, -1.0), d
 
 
 @njit

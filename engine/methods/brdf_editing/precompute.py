@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import asdict
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -19,12 +19,13 @@ from engine.methods.brdf_editing.patterns import patterns
 from engine.methods.brdf_editing.product import NAME, Polynomial, Transport
 from engine.methods.brdf_editing.settings import Settings
 from engine.methods.chunks import Arrays, run_chunks
-from engine.methods.fixed_view.cloud import GatherCloud, build_cloud, cloud_arrays, cloud_from
+from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.environment_light import EnvironmentLight, EnvironmentRows
-from engine.methods.fixed_view.gather import ENVIRONMENT, Job, cosine_lobes, gather_chunk
+from engine.methods.fixed_view.gather import ENVIRONMENT, cosine_lobes, gather_chunk
 from engine.methods.fixed_view.importance import wavelet_importance
 from engine.methods.fixed_view.nearest import build_grid
 from engine.methods.fixed_view.rows import PackedRows, no_rows
+from engine.methods.fixed_view.stored import gather_job, product_key, stored_cloud
 from engine.methods.fixed_view.tiles import run_tiles
 from engine.methods.fixed_view.view import View
 from engine.scene.scene import Scene
@@ -47,17 +48,7 @@ def precompute(
     progress("view samples", 0, 1)
     view = View(scene)
     progress("view samples", 1, 1)
-    found = entry.read("cloud")
-    if found is None:
-        progress("gather cloud", 0, 1)
-        cloud = build_cloud(
-            scene, view.buffer.centre, settings.gather_samples, settings.position_weight, "uniform",
-            settings.seed,
-        )  # fmt: skip
-        entry.write("cloud", cloud_arrays(cloud), {})
-        progress("gather cloud", 1, 1)
-    else:
-        cloud = cloud_from(found.arrays)
+    cloud = stored_cloud(entry, view, settings, "uniform", progress)
 
     def made(name: str, job: Callable[[], Work]) -> Arrays:
         """Arrays from the store, or from the chunks that `job` tells how to make, and how many."""
@@ -106,42 +97,29 @@ def _seen(view: View, on: Shining) -> Work:
 
 def _environment_light(cloud: GatherCloud, rows: PackedRows) -> EnvironmentLight:
     """What the environment sends to a cloud of albedo 1, over π the irradiance."""
-    white = GatherCloud(
-        cloud.points, np.ones_like(cloud.albedo), cloud.emission, cloud.area, cloud.clusters
-    )
+    white = replace(cloud, albedo=np.ones_like(cloud.albedo))
     return EnvironmentLight(white, EnvironmentRows(rows, no_rows(0), no_rows(0)), {})
 
 
 def key(scene: Scene, settings: Settings) -> str:
     """Name of the stored product: a digest of all that it depends on."""
-    digest = hashlib.blake2b(digest_size=16)
-    fixed = {k: v for k, v in asdict(settings).items() if k not in AT_RUN_TIME}
-    for part in (NAME, VERSION, scene.transport_digest, scene.camera.model_dump_json(), fixed):
-        digest.update(f"{part}\n".encode())
-    return digest.hexdigest()
+    return product_key(NAME, VERSION, scene, settings, AT_RUN_TIME)
 
 
 def _bounces(scene: Scene, settings: Settings, cloud: GatherCloud) -> Work:
-    points = cloud.points
-    job = Job(
-        positions=scene.geometry.positions,
-        triangles=scene.geometry.triangles,
+    job = gather_job(
+        scene,
+        cloud,
+        cloud.points,
         tiles=run_tiles(len(cloud)),
-        position=points.position,
-        normal=points.normal,
-        geometric=points.geometric,
-        leaf_position=points.position,
-        leaf_geometric=points.geometric,
-        clusters=cloud.clusters,
         importance=wavelet_importance(scene, cloud, settings.seed),
-        lobes=cosine_lobes(points.normal),
+        lobes=cosine_lobes(cloud.points.normal),
         count=settings.bounce_rays,
         link_size=1.0,
         patch_size=1.0,
         coefficients=settings.bounce_coefficients,
         environment_coefficients=max(1, settings.bounce_coefficients // 2),
         seed=settings.seed + 1,
-        rays=scene.rays,
     )
     return partial(gather_chunk, job), job.chunks
 

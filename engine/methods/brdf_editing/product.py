@@ -62,7 +62,6 @@ class Hand:
 
     material  its number, -1 for none
     table     all materials as they were when it was taken
-    slots     of its model
     pixels    (m,) int32   that show it
     folded    F of those
     others    (n, deg + 1, 3) float32   V of all pixels
@@ -70,7 +69,6 @@ class Hand:
 
     material: int
     table: MaterialTable
-    slots: Slots
     pixels: NDArray[np.int32]
     folded: Folded
     others: NDArray[np.float32]
@@ -176,9 +174,8 @@ class Polynomial:
     def _most_seen(self) -> int:
         """The editable material that most pixels show: in hand before anything is; -1 for none."""
         table = self.view.scene.material_table
-        seen = np.bincount(
-            np.maximum(self.view.buffer.centre.material, -1) + 1, minlength=len(table.model) + 1
-        )[1:]
+        shown = self.view.buffer.centre.material
+        seen = np.bincount(shown[shown >= 0], minlength=len(table.model))
         seen[[LAYERS[model] is None for model in table.model]] = 0
         return int(seen.argmax()) if seen.any() else -1
 
@@ -227,7 +224,7 @@ class Polynomial:
             slots = slots._replace(constants=layers.constants, curves=layers.curves)
             pixels = self._points.showing(material)
         folded = fold(surface, arriving, pixels, material, slots)
-        return Hand(material, table, slots, pixels, folded, reflect(surface, arriving, material))
+        return Hand(material, table, pixels, folded, reflect(surface, arriving, material))
 
     def _albedos(self, table: MaterialTable) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(m, 3) each: equivalent albedos of the constants, and of the curves."""

@@ -19,9 +19,9 @@ from engine.methods.brdf_editing.arriving import (
     part_of,
 )
 from engine.methods.brdf_editing.light_seen import Shining
-from engine.methods.brdf_editing.patterns import incident, pattern_of, weight_of
+from engine.methods.brdf_editing.patterns import pattern_of, ray_of, weight_of
 from engine.numerics.borrow import borrow
-from engine.numerics.frames import tangents, to_local, to_world
+from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, vec
 
@@ -47,10 +47,8 @@ def _reflect(begin, end, surface, arriving, hand, out):
             if surface.model[at] < 0 or surface.material[at] == hand:
                 continue
             if is_matt(surface.row[at]) and arriving.patterns.cosines > 0:
-                even[:] = 0.0
                 gather_even(surface, arriving, at, link, part, parts, none, even)
                 for c in range(3):
-                    even[0, c] += arriving.direct[at, c] / np.float32(parts)
                     out[i, :, c] += surface.row[at, DIFFUSE + c] * even[:, c]
             else:
                 _reflect_rays(surface, arriving, at, link, part, parts, none, out[i])
@@ -66,11 +64,8 @@ def _reflect_rays(surface, arriving, at, link, part, parts, none, out):
     pattern, patterns = pattern_of(link, arriving.width), arriving.patterns
     sample, powers, beyond = arriving.sample[link], arriving.powers, arriving.beyond
     for k in range(part, sample.shape[0], parts):
-        wi = incident(patterns, pattern, k, wo)
+        wi, d = ray_of(patterns, pattern, k, wo, (s, t, z), g)
         if wi[2] <= 0.0:
-            continue
-        d = to_world(wi, s, t, z)
-        if dot(d, g) <= 0.0:
             continue
         came = came_along(powers, beyond, sample[k], d, none)
         weight = weight_of(patterns, wi, wo)

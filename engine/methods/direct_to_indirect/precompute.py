@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import asdict
@@ -17,12 +16,13 @@ from engine.methods.chunks import run_chunks
 from engine.methods.direct_to_indirect.product import NAME, Transfer
 from engine.methods.direct_to_indirect.reflected import glossy_pixels
 from engine.methods.direct_to_indirect.settings import Settings
-from engine.methods.fixed_view.cloud import GatherCloud, build_cloud, cloud_arrays, cloud_from
+from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.environment_light import EnvironmentRows
 from engine.methods.fixed_view.frame_buffer import Points
 from engine.methods.fixed_view.gather import ENVIRONMENT, Job, Lobes, cosine_lobes, gather_chunk
 from engine.methods.fixed_view.importance import wavelet_importance
 from engine.methods.fixed_view.rows import PackedRows, no_rows
+from engine.methods.fixed_view.stored import gather_job, product_key, stored_cloud
 from engine.methods.fixed_view.tiles import pixel_tiles, run_tiles
 from engine.methods.fixed_view.view import View, gloss_of
 from engine.scene.scene import Scene
@@ -50,17 +50,8 @@ def precompute(
     view = View(scene)
     progress("view samples", 1, 1)
 
-    stored = {name: entry.read(name) for name in ("cloud", *MATRICES)}
-    if stored["cloud"] is None:
-        progress("gather cloud", 0, 1)
-        cloud = build_cloud(
-            scene, view.buffer.centre, settings.gather_samples, settings.position_weight,
-            settings.cloud, settings.seed,
-        )  # fmt: skip
-        entry.write("cloud", cloud_arrays(cloud), {})
-        progress("gather cloud", 1, 1)
-    else:
-        cloud = cloud_from(stored["cloud"].arrays)
+    stored = {name: entry.read(name) for name in MATRICES}
+    cloud = stored_cloud(entry, view, settings, settings.cloud, progress)
 
     # Each matrix is finished before it is stored, its chunks are let go after that.
     rows, beyond = {}, {}
@@ -100,11 +91,7 @@ def _both(arrays: Mapping[str, NDArray[Any]]) -> tuple[PackedRows, PackedRows]:
 
 def key(scene: Scene, settings: Settings) -> str:
     """Name of the stored product: a digest of all that it depends on."""
-    digest = hashlib.blake2b(digest_size=16)
-    fixed = {k: v for k, v in asdict(settings).items() if k not in AT_RUN_TIME}
-    for part in (NAME, VERSION, scene.transport_digest, scene.camera.model_dump_json(), fixed):
-        digest.update(f"{part}\n".encode())
-    return digest.hexdigest()
+    return product_key(NAME, VERSION, scene, settings, AT_RUN_TIME)
 
 
 def _tiles(name: str, view: View, cloud: GatherCloud) -> NDArray[np.int32]:
@@ -134,16 +121,11 @@ def _job(
         "gloss": (s.gloss_coefficients, s.gloss_rays, s.link_size),
     }[name]
     gloss = name == "gloss"
-    return Job(
-        positions=scene.geometry.positions,
-        triangles=scene.geometry.triangles,
+    return gather_job(
+        scene,
+        cloud,
+        points,
         tiles=tiles,
-        position=points.position,
-        normal=points.normal,
-        geometric=points.geometric,
-        leaf_position=cloud.points.position,
-        leaf_geometric=cloud.points.geometric,
-        clusters=cloud.clusters,
         importance=importance,
         lobes=(
             Lobes(points.view, points.model, gloss_of(points.row))
@@ -158,5 +140,4 @@ def _job(
         coefficients=coefficients,
         environment_coefficients=max(1, int(OF_ENVIRONMENT[name] * coefficients)),
         seed=s.seed + 1 + MATRICES.index(name),
-        rays=scene.rays,
     )

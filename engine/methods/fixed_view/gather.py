@@ -17,7 +17,7 @@ from engine.brdf.base import DIFFUSE, ROW
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.table import INDEX
 from engine.light.environment_samples import DEPTH
-from engine.methods.fixed_view.gather_rays import TRIES, aim, escape, land, next_sample, settle
+from engine.methods.fixed_view.gather_rays import aim, escape, find_samples, land, settle
 from engine.methods.fixed_view.hierarchy import Clusters, level_start
 from engine.methods.fixed_view.importance import environment_importance
 from engine.methods.fixed_view.links import closure, find_links, hide, room_for_links
@@ -142,29 +142,12 @@ class _Rays:
         hits = self._tracer.intersect(origin, direction)
         escaped, more = self._escape(index, hits.triangle < 0)
         land(job.positions, job.triangles, hits.triangle, hits.distance, origin, direction)
-        apart = self._find_samples(np.flatnonzero(hits.triangle >= 0), origin, direction)
+        apart = find_samples(
+            self._tracer, _grid(job), job.clusters.depth, job.leaf_position, job.leaf_geometric,
+            np.flatnonzero(hits.triangle >= 0), origin, direction, self._cluster,
+        )  # fmt: skip
         settle(self._first, hits.triangle, apart, self._weight)
         return Rows(self._first, self._cluster, self._weight), escaped, n + more
-
-    def _find_samples(
-        self, which: NDArray[np.intp], place: NDArray[np.float32], normal: NDArray[np.float32]
-    ) -> NDArray[np.bool_]:
-        """(n,) bool: of the rays `which` landed, those that no sample nearby is in sight of.
-
-        The others' clusters are found.
-        """
-        job = self._job
-        beyond = np.full(len(place), -1, np.float32)
-        for _ in range(TRIES):
-            start, way = np.zeros((2, len(which), 3), np.float32)
-            next_sample(
-                _grid(job), job.clusters.depth, job.leaf_position, job.leaf_geometric, which,
-                place, normal, beyond, self._cluster, start, way,
-            )  # fmt: skip
-            which = which[self._tracer.occluded(start, way, 1.0)]
-        apart = np.zeros(len(place), np.bool_)
-        apart[which] = True
-        return apart
 
     def look(self, index: NDArray[np.int32]) -> tuple[NDArray[np.float64], Rows, int]:
         """(b,) share of each point's lobe that something is in, and what environment is in it."""

@@ -18,16 +18,18 @@ import math
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from engine.brdf import table as brdfs
 from engine.brdf.base import luminance
 from engine.methods.fixed_view.hierarchy import level_start
-from engine.methods.fixed_view.nearest import nearest_beyond
+from engine.methods.fixed_view.nearest import Grid, nearest_beyond
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import tangents, to_local, to_world
 from engine.numerics.octahedron import cell as cell_of
 from engine.numerics.sampling import uniform
 from engine.numerics.vec import add, cross, dot, normalize, scale, sub, vec
+from engine.scene.rays import RayTracer
 
 evaluate, sample_direction, density = brdfs.evaluate, brdfs.sample, brdfs.pdf
 GOLDEN = 0.6180339887498949
@@ -131,8 +133,36 @@ def land(positions, triangles, triangle, distance, origin, direction):
             origin[r, c], direction[r, c] = x[c], g[c]
 
 
+def find_samples(
+    tracer: RayTracer,
+    grid: Grid,
+    depth: int,
+    leaf_position: NDArray[np.float32],
+    leaf_geometric: NDArray[np.float32],
+    which: NDArray[np.intp],
+    place: NDArray[np.float32],
+    normal: NDArray[np.float32],
+    cluster: NDArray[np.int32],
+) -> NDArray[np.bool_]:
+    """(n,) bool: of the rays `which` landed, those that no sample nearby is in sight of.
+
+    place, normal (n, 3) are what `land` found; fills cluster (n,) with the others' leaf clusters.
+    """
+    beyond = np.full(len(place), -1, np.float32)
+    for _ in range(TRIES):
+        start, way = np.zeros((2, len(which), 3), np.float32)
+        _next_sample(
+            grid, depth, leaf_position, leaf_geometric, which, place, normal, beyond, cluster,
+            start, way,
+        )  # fmt: skip
+        which = which[tracer.occluded(start, way, 1.0)]
+    apart = np.zeros(len(place), np.bool_)
+    apart[which] = True
+    return apart
+
+
 @njit(cache=True, nogil=True)
-def next_sample(
+def _next_sample(
     grid, depth, leaf_position, leaf_normal, which, place, normal, beyond, cluster, start, way
 ):  # fmt: skip
     """The leaf clusters (r,) of the samples nearest to where the rays `which` (w,) have landed.
