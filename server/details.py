@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.brdf.base import Material
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.layers import LAYERS
-from engine.brdf.published import PUBLISHED
+from engine.brdf.published import DARK, METALS, PLASTICS, PUBLISHED
 from engine.brdf.table import MODELS
 from engine.errors import NotFound
 from engine.light.far_disk import FarDisk
@@ -21,6 +22,7 @@ from engine.light.table import LIGHTS
 from engine.light.thumbnail import thumbnail
 from engine.methods import METHODS
 from engine.scene.edits import Edits, edited_environment
+from engine.scene.pick import material_at
 from server.stage import Stage
 from server.wire import (
     EnvironmentDetail,
@@ -29,6 +31,7 @@ from server.wire import (
     MaterialDetail,
     MethodState,
     Notice,
+    Picked,
     SceneDetail,
 )
 
@@ -90,10 +93,18 @@ def material_types() -> dict[str, dict[str, Any]]:
     return {kind.model_fields["type"].default: kind.model_json_schema() for kind in able}
 
 
-def material_presets() -> dict[str, dict[str, Any]]:
-    """Materials to choose from, as edits take them; what a material emits is not in them."""
-    every = {"plain diffuse": Diffuse(emission=(0.0, 0.0, 0.0)), **PUBLISHED}
-    return {name: material.model_dump(exclude={"emission"}) for name, material in every.items()}
+def material_presets() -> dict[str, dict[str, dict[str, Any]]]:
+    """Groups of materials to choose from, as edits take them, without what they emit."""
+    groups: dict[str, dict[str, Material]] = {
+        "Matt": {"plain diffuse": Diffuse(emission=DARK)},
+        "Metals": METALS,
+        "Plastics": PLASTICS,
+        "Wang et al. 2006": PUBLISHED,
+    }
+    return {
+        group: {name: known.model_dump(exclude={"emission"}) for name, known in members.items()}
+        for group, members in groups.items()
+    }
 
 
 def material_details(stage: Stage, edits: Edits, method: str) -> list[MaterialDetail]:
@@ -105,6 +116,12 @@ def material_details(stage: Stage, edits: Edits, method: str) -> list[MaterialDe
         MaterialDetail(**{"name": name, **fits.get(name, {})}, description=material.model_dump())
         for name, material in zip(scene.material_names, scene.materials, strict=True)
     ]
+
+
+def picked(stage: Stage, edits: Edits, x: float, y: float) -> Picked:
+    """What the camera under the edits shows at (x, y), both from 0 to 1."""
+    seen = stage.scene().with_camera(stage.camera(edits))
+    return Picked(material=material_at(seen, x, y))
 
 
 def map_thumbnail(stage: Stage, edits: Edits) -> NDArray[np.uint8]:

@@ -13,7 +13,7 @@ from engine.errors import NotFound
 from engine.images import encode
 from engine.scene.edits import Edits
 from server.accept import MEDIA_TYPES, negotiate
-from server.details import map_thumbnail, material_details
+from server.details import map_thumbnail, material_details, picked
 from server.live import Session
 from server.maps import located
 from server.problems import describe
@@ -25,6 +25,8 @@ from server.wire import (
     LiveProblem,
     MapSummary,
     MaterialDetail,
+    Picked,
+    Place,
     PrecomputeRequest,
     Problem,
     Quality,
@@ -161,6 +163,19 @@ async def materials(
     """The materials under the edits; how the method models them, once its product is there."""
     stage = service_of(request).stages.get(scene)
     return await asyncio.to_thread(material_details, stage, edits, method)
+
+
+@router.post("/api/scenes/{scene}/pick")
+async def pick(
+    request: Request,
+    scene: str,
+    x: Annotated[Place, Query()],
+    y: Annotated[Place, Query()],
+    edits: Annotated[Edits, Body()] = Edits(),  # noqa: B008 - frozen
+) -> Picked:
+    """What the camera of the edits shows at a place of its picture."""
+    stage = service_of(request).stages.get(scene)
+    return await asyncio.to_thread(picked, stage, edits, x, y)
 
 
 def ascii_json(text: str) -> str:

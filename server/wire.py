@@ -21,6 +21,7 @@ JobStatus = Literal["queued", "running", "done", "failed", "cancelled"]
 
 Exposure = Annotated[float, Field(ge=-32, le=32, description="in stops: doubles per unit")]
 Scale = Annotated[int, Field(ge=1, le=2, description="2 draws every second pixel and row")]
+Place = Annotated[float, Field(ge=0, le=1, description="from the left or top edge of the picture")]
 Quality = Annotated[int, Field(ge=1, le=100, description="of JPEG and WebP; PNG has none")]
 
 
@@ -112,11 +113,17 @@ class MaterialDetail(Wire):
     error: float | None = None
 
 
+class Picked(Wire):
+    """What a place of the picture shows, None where nothing is."""
+
+    material: str | None
+
+
 class SceneDetail(Wire):
     """What can be seen and edited in a scene; `light_types` has a JSON schema per type.
 
-    `material_types` the same of those that can be edited at once; `material_presets` are
-    materials by name, as edits take them.
+    `material_types` the same of those that can be edited at once; `material_presets` are groups
+    of materials by name, as edits take them.
     """
 
     name: str
@@ -128,7 +135,7 @@ class SceneDetail(Wire):
     environment: EnvironmentDetail
     materials: list[str]
     material_types: dict[str, dict[str, Any]]
-    material_presets: dict[str, dict[str, Any]]
+    material_presets: dict[str, dict[str, dict[str, Any]]]
     objects: list[str]
     triangles: int
     methods: list[MethodState]

@@ -1,13 +1,14 @@
 // The environment's side: which map, how it is turned, how bright, where the sun of a sky stands, an
 // area light before it, and whether the camera sees any of it.
 
-import { fromHex, strength, toHex, withStrength } from "./colour.js";
-import { capital, element, field, number } from "./fields.js";
+import { strength, withStrength } from "./colour.js";
+import { capital, colour, element, field, group, slider } from "./fields.js";
 import { Pad } from "./pad.js";
 import { sunAngles, sunDirection } from "./sun.js";
 
 const DECADES = 2; // of the brightness slider, to either side of 1
 const [NONE, BLACK, EVEN, SKY] = ["none", "black", "even", "sky"];
+const OPEN = { least: 0, most: "" }; // what a slider in decades takes beyond its ends
 const OUTDOORS = 0.1; // a sky's brightness at first: its own is that of a day, for another exposure
 const AFTERNOON = { height: 40, azimuth: 60 };
 const LAMP = { direction: sunDirection({ height: 40, azimuth: -60 }), radius_degrees: 10 };
@@ -62,9 +63,8 @@ export class EnvironmentPanel {
       new Option("Black", BLACK),
     );
     if (!uploads.length) return;
-    const opened = element("optgroup", { label: "Opened" });
-    opened.append(...uploads.map(({ name, label }) => new Option(label, `map ${name}`)));
-    this.map.append(opened);
+    const opened = uploads.map(({ name, label }) => new Option(label, `map ${name}`));
+    this.map.append(group("Opened", opened));
   }
 
   draw() {
@@ -141,6 +141,7 @@ export class EnvironmentPanel {
       set: (intensity) => ({ intensity }),
       toSlider: (intensity) => Math.log10(Math.max(intensity, 1e-12)),
       fromSlider: (value) => 10 ** value,
+      ...OPEN,
     });
     this.#switch("Background", "whether the camera sees the environment", {
       get: ({ background }) => background,
@@ -170,7 +171,7 @@ export class EnvironmentPanel {
         lamp({ radiance: withStrength(light.radiance, radiance) }),
       toSlider: (radiance) => Math.log10(Math.max(radiance, 1e-12)),
       fromSlider: (value) => 10 ** value,
-      open: true,
+      ...OPEN,
     });
   }
 
@@ -190,32 +191,14 @@ export class EnvironmentPanel {
     });
   }
 
-  // A slider for the hand and a number for what is exact; the number of a slider in decades may
-  // lie beyond its ends.
-  #slider(label, range, unit, how) {
-    const { get, set, toSlider = (x) => x, fromSlider = (x) => x, open = unit === "×" } = how;
-    const slider = element("input", { type: "range", ...range });
-    const exact = element("input", { type: "number", step: "any", className: "exact" });
-    exact.setAttribute("aria-label", `${label}, exact`);
+  #add({ row, show }) {
+    this.box.append(row);
+    this.#fields.push(show);
+  }
+
+  #slider(label, range, unit, { set, ...how }) {
     const change = (value, moving) => this.#change(set(value, this.state.environment), moving);
-    slider.addEventListener("input", () => change(fromSlider(slider.valueAsNumber), true));
-    slider.addEventListener("change", () => change(fromSlider(slider.valueAsNumber), false));
-    exact.min = open ? 0 : range.min;
-    if (!open) exact.max = range.max;
-    exact.addEventListener("change", () => {
-      if (exact.validity.valid && !Number.isNaN(exact.valueAsNumber)) {
-        change(exact.valueAsNumber, false);
-      }
-    });
-    const both = element("span", { className: "pair" });
-    both.append(slider, exact);
-    this.box.append(field(label, both, unit || " "));
-    this.#fields.push((environment) => {
-      const value = get(environment);
-      if (document.activeElement !== slider) slider.value = toSlider(value);
-      slider.setAttribute("aria-valuetext", `${number(value)} ${unit}`);
-      if (document.activeElement !== exact) exact.value = number(value);
-    });
+    this.#add(slider(label, range, unit, { ...how, change }));
   }
 
   #switch(label, title, { get, set }) {
@@ -228,17 +211,7 @@ export class EnvironmentPanel {
   }
 
   #colour(label, { get, set }) {
-    const input = element("input", { type: "color" });
-    const pick = (moving) => {
-      const strong = strength(get(this.state.environment)) || 0.5;
-      this.#change(set(fromHex(input.value, strong)), moving);
-    };
-    input.addEventListener("input", () => pick(true));
-    input.addEventListener("change", () => pick(false));
-    this.box.append(field(label, input));
-    this.#fields.push((environment) => {
-      if (document.activeElement !== input) input.value = toHex(get(environment));
-    });
+    this.#add(colour(label, { get, change: (value, moving) => this.#change(set(value), moving) }));
   }
 }
 

@@ -1,4 +1,10 @@
-// Rows of a panel: a label, a control, a unit.
+// Rows of a panel: a label, a control, a unit. A control of a value that others change too comes as
+// {row, show}, and show(now) brings it up to date.
+
+import { fromHex, strength, toHex } from "./colour.js";
+
+const WRITTEN = 'input[type="text"], textarea';
+const LETTERS = `${WRITTEN}, input[type="number"], select`;
 
 export function element(tag, properties) {
   return Object.assign(document.createElement(tag), properties);
@@ -16,6 +22,60 @@ export function field(label, control, unit = "") {
   row.append(name, cell);
   return row;
 }
+
+// The colour of what has a strength too; what is black gets the strength `dark` with its colour.
+// change(value, moving) takes what the hand sets.
+export function colour(label, { get, change, dark = 0.5, title = "" }) {
+  const input = element("input", { type: "color", title });
+  let value = null;
+  const pick = (moving) => change(fromHex(input.value, strength(value) || dark), moving);
+  input.addEventListener("input", () => pick(true));
+  input.addEventListener("change", () => pick(false));
+  const show = (now) => {
+    value = get(now);
+    if (document.activeElement !== input) input.value = toHex(value);
+  };
+  return { row: field(label, input), show };
+}
+
+// A slider for the hand and a number for what is exact, which may lie beyond the slider's ends: from
+// `least` to `most`. The slider may be one of logarithms.
+export function slider(label, range, unit, how) {
+  const { get, change, title = "", toSlider = (x) => x, fromSlider = (x) => x } = how;
+  const { least = range.min, most = range.max } = how;
+  const hand = element("input", { type: "range", title, ...range });
+  const exact = element("input", {
+    type: "number", step: "any", className: "exact", title, min: least, max: most,
+  });
+  exact.setAttribute("aria-label", `${label}, exact`);
+  hand.addEventListener("input", () => change(fromSlider(hand.valueAsNumber), true));
+  hand.addEventListener("change", () => change(fromSlider(hand.valueAsNumber), false));
+  exact.addEventListener("change", () => {
+    if (exact.validity.valid && !Number.isNaN(exact.valueAsNumber)) {
+      change(exact.valueAsNumber, false);
+    }
+  });
+  const both = element("span", { className: "pair" });
+  both.append(hand, exact);
+  const show = (now) => {
+    const value = get(now);
+    if (document.activeElement !== hand) hand.value = toSlider(value);
+    hand.setAttribute("aria-valuetext", `${number(value)} ${unit}`);
+    if (document.activeElement !== exact) exact.value = number(value);
+  };
+  return { row: field(label, both, unit || " "), show };
+}
+
+// Some of the options of a select, under a heading.
+export function group(label, options) {
+  const box = element("optgroup", { label });
+  box.append(...options);
+  return box;
+}
+
+// Whether a key is text for the control that has the focus, and no command.
+export const takesText = (node) => Boolean(node.matches?.(WRITTEN));
+export const takesLetters = (node) => Boolean(node.matches?.(LETTERS));
 
 export const capital = (word) => word[0].toUpperCase() + word.slice(1);
 export const words = (name) => capital(name.replace(/_degrees$/, "").replaceAll("_", " "));

@@ -1,12 +1,15 @@
 // The page: wires state, picture, handles, panels and the live socket together.
 
+import { Compare } from "./compare.js";
 import { EnvironmentPanel } from "./environment.js";
 import { Handles } from "./handles.js";
+import { History } from "./history.js";
 import { Live } from "./live.js";
 import { MaterialEditor } from "./material_editor.js";
 import { Materials, post } from "./materials.js";
 import { Orbit } from "./orbit.js";
 import { Panel } from "./panel.js";
+import { Picking } from "./picking.js";
 import { Requests } from "./requests.js";
 import { State } from "./state.js";
 import { Status } from "./status.js";
@@ -57,6 +60,9 @@ const editor = new MaterialEditor(
   },
   call,
 );
+const picking = new Picking(state, find("picture"), (x, y) => editor.pick(x, y));
+new Compare(state, find("compare"));
+new History(state, { undo: find("undo"), redo: find("redo") });
 const orbit = new Orbit(state, find("picture"), find("camera-mode"));
 
 state.listen((what, moving) => {
@@ -66,6 +72,7 @@ state.listen((what, moving) => {
   if (what === "scene" || what === "method") {
     materials.leave();
     editor.open();
+    picking.draw();
     drawMethods();
   }
   if (["scene", "method", "materials"].includes(what)) materials.refresh();

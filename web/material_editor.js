@@ -1,10 +1,12 @@
 // Materials under the hand, for a method that takes edits of them: type, colours, sharpness.
 
-import { fromHex, strength, toHex, withStrength } from "./colour.js";
-import { capital, element, field, number, words } from "./fields.js";
+import { strength, toHex, withStrength } from "./colour.js";
+import { copyButton } from "./copy.js";
+import { capital, colour, element, field, group, slider, words } from "./fields.js";
 import { post } from "./materials.js";
 
 const HIDDEN = new Set(["type", "emission"]);
+const SHARPEST = 1e4; // of the sliders; larger exponents are typed
 
 export class MaterialEditor {
   #own = {}; // the scene's, by name
@@ -20,23 +22,41 @@ export class MaterialEditor {
 
   // The scene or the method is another one.
   async open() {
-    const { state } = this;
-    this.part.hidden = !state.takes("materials");
+    this.part.hidden = !this.state.takes("materials");
     if (this.part.hidden) return;
-    const { scene } = state;
-    const path = `api/scenes/${encodeURIComponent(scene.name)}/materials`;
-    let found = null;
-    try {
-      found = await this.call(path, post({}));
-    } catch {
-      return;
-    }
-    if (scene !== state.scene) return;
+    const found = await this.#ask("materials", {});
+    if (!found) return;
     this.#own = Object.fromEntries(found.map(({ name, description }) => [name, description]));
     if (!(this.#selected in this.#own)) this.#selected = found[0]?.name ?? null;
     this.list.replaceChildren(...found.map(({ name }) => this.#row(name)));
     this.#built = "";
     this.draw();
+  }
+
+  // Take in hand what the picture shows at (x, y).
+  async pick(x, y) {
+    const { camera } = this.state.edits();
+    const seen = await this.#ask(`pick?x=${x}&y=${y}`, camera ? { camera } : {});
+    if (seen?.material) this.#select(seen.material);
+  }
+
+  // What the service answers; null where it does not, or another scene has been opened meanwhile.
+  async #ask(what, edits) {
+    const { scene } = this.state;
+    try {
+      const path = `api/scenes/${encodeURIComponent(scene.name)}/${what}`;
+      const answer = await this.call(path, post(edits));
+      return scene === this.state.scene ? answer : null;
+    } catch {
+      return null; // told beside the picture
+    }
+  }
+
+  #select(name) {
+    this.#selected = name;
+    this.draw();
+    const row = [...this.list.children].find(({ dataset }) => dataset.name === name);
+    row?.scrollIntoView({ block: "nearest" });
   }
 
   draw() {
@@ -46,7 +66,7 @@ export class MaterialEditor {
     for (const row of this.list.children) {
       const material = this.#material(row.dataset.name);
       row.classList.toggle("selected", row.dataset.name === this.#selected);
-      row.querySelector(".swatch").style.background = picked(material.diffuse ?? [0.5, 0.5, 0.5]);
+      row.querySelector(".swatch").style.background = swatch(material);
       row.querySelector(".name").setAttribute("aria-pressed", row.dataset.name === this.#selected);
       row.querySelector(".kind").textContent = kind(material.type);
     }
@@ -66,10 +86,7 @@ export class MaterialEditor {
     const row = element("li", {});
     row.dataset.name = name;
     const button = element("button", { type: "button", className: "name", textContent: name });
-    button.addEventListener("click", () => {
-      this.#selected = name;
-      this.draw();
-    });
+    button.addEventListener("click", () => this.#select(name));
     row.append(element("span", { className: "swatch" }), button);
     row.append(element("span", { className: "kind" }));
     return row;
@@ -87,20 +104,24 @@ export class MaterialEditor {
 
   #build(material) {
     this.#fields = [];
-    const title = element("h3", { textContent: this.#selected });
-    const reset = element("button", { type: "button", textContent: "Reset" });
     const name = this.#selected;
+    const title = element("h3", { textContent: name });
+    const copy = copyButton(() => asText({ [name]: this.#material(name) }));
+    copy.title = "as JSON, for the materials of a scene or of edits";
+    const reset = element("button", { type: "button", textContent: "Reset" });
     reset.addEventListener("click", () => {
       const { [name]: _, ...rest } = this.state.materialEdits;
       this.state.setMaterialEdits(rest);
     });
-    title.append(reset);
+    const buttons = element("span", { className: "buttons" });
+    buttons.append(copy, reset);
+    title.append(buttons);
     this.box.replaceChildren(title);
     this.#kind(material);
     const { properties } = this.state.scene.material_types[material.type] ?? { properties: {} };
     for (const [property, schema] of Object.entries(properties)) {
       if (HIDDEN.has(property)) continue;
-      if (schema.type === "array") this.#colour(property, schema);
+      if (schema.type === "array") this.#reflectance(property, schema);
       else if (schema.type === "number") this.#number(property, schema);
     }
   }
@@ -108,85 +129,84 @@ export class MaterialEditor {
   // Another type, or a material that is known by name.
   #kind({ type }) {
     const { material_types: types, material_presets: presets } = this.state.scene;
+    const known = Object.assign({}, ...Object.values(presets));
     const select = element("select", {});
-    const group = (label, options) => {
-      const box = element("optgroup", { label });
-      box.append(...options);
-      return box;
-    };
-    const names = Object.keys(types).includes(type) ? Object.keys(types) : [type, ...Object.keys(types)];
-    const known = Object.entries(presets).filter(([, preset]) => preset.type in types);
+    const names = [...new Set([...Object.keys(types), type])];
+    const option = (name) => new Option(name, `preset ${name}`);
+    const able = (members) => Object.keys(members).filter((name) => known[name].type in types);
     select.append(
       group("Type", names.map((name) => new Option(kind(name), name))),
-      group("Known materials", known.map(([name]) => new Option(name, `preset:${name}`))),
+      ...Object.entries(presets).map(([label, members]) => group(label, able(members).map(option))),
     );
     select.addEventListener("change", () => {
       const { emission } = this.#own[this.#selected];
-      const preset = presets[select.value.replace(/^preset:/, "")];
+      const preset = known[select.value.replace(/^preset /, "")];
       this.#set({ ...(preset ?? defaults(types[select.value])), emission }, false);
     });
-    this.#field("Type", select);
-    this.#fields.push((now) => {
-      select.value = now.type;
+    this.#add({
+      row: field("Type", select),
+      show: ({ emission: _, ...now }) => {
+        const text = JSON.stringify(now);
+        const name = Object.keys(known).find((each) => JSON.stringify(known[each]) === text);
+        select.value = name ? `preset ${name}` : now.type;
+      },
     });
   }
 
-  #field(label, control, unit = "") {
-    this.box.append(field(label, control, unit));
+  #add({ row, show }) {
+    this.box.append(row);
+    this.#fields.push(show);
   }
 
-  // A reflectance: its colour, and how much of the light it is.
-  #colour(name, schema) {
-    const input = element("input", { type: "color", title: schema.description ?? "" });
-    const slider = element("input", { type: "range", min: 0, max: 1, step: 0.005 });
-    slider.setAttribute("aria-label", `${words(name)}, how much`);
-    let value = [0, 0, 0];
-    const pick = (moving) => this.#change({ [name]: fromHex(input.value, strength(value)) }, moving);
-    const dim = (moving) =>
-      this.#change({ [name]: withStrength(value, slider.valueAsNumber) }, moving);
-    input.addEventListener("input", () => pick(true));
-    input.addEventListener("change", () => pick(false));
-    slider.addEventListener("input", () => dim(true));
-    slider.addEventListener("change", () => dim(false));
-    const box = element("span", { className: "pair" });
-    box.append(input, slider);
-    this.#field(words(name), box);
-    this.#fields.push((now) => {
-      value = now[name];
-      if (document.activeElement !== input) input.value = toHex(value);
-      if (document.activeElement !== slider) slider.value = strength(value);
-      slider.setAttribute("aria-valuetext", `${(100 * strength(value)).toFixed(0)} %`);
-    });
+  // Its colour, and how much of the light it is.
+  #reflectance(name, { description: title }) {
+    const get = (now) => now[name];
+    const change = (value, moving) => this.#change({ [name]: value }, moving);
+    this.#add(colour(`${words(name)} colour`, { get, change, title }));
+    this.#add(slider(words(name), { min: 0, max: 100, step: 0.5 }, "%", {
+      title,
+      get: (now) => 100 * strength(now[name]),
+      change: (percent, moving) => {
+        change(withStrength(this.#material(this.#selected)[name], percent / 100), moving);
+      },
+    }));
   }
 
   // Exponents reach over decades, so their slider is of logarithms.
-  #number(name, schema) {
-    const log = (schema.maximum ?? 1) > 10;
-    const most = Math.min(schema.maximum ?? 1, 1e4);
-    const to = log ? (x) => Math.log10(Math.max(1, x)) : (x) => x;
-    const from = log ? (x) => 10 ** x : (x) => x;
-    const slider = element("input", {
-      type: "range", min: to(schema.minimum ?? 0), max: to(most), step: log ? 0.01 : 0.005,
-      title: schema.description ?? "",
-    });
-    slider.setAttribute("aria-label", words(name));
-    const shown = element("output", {});
-    const change = (moving) => this.#change({ [name]: from(slider.valueAsNumber) }, moving);
-    slider.addEventListener("input", () => change(true));
-    slider.addEventListener("change", () => change(false));
-    const box = element("span", { className: "pair" });
-    box.append(slider, shown);
-    this.#field(words(name), box);
-    this.#fields.push((now) => {
-      if (document.activeElement !== slider) slider.value = to(now[name]);
-      shown.textContent = number(now[name]);
-    });
+  #number(name, { description: title, minimum: least = 0, maximum: most = 1 }) {
+    const how = {
+      title, least, most,
+      get: (now) => now[name],
+      change: (value, moving) => this.#change({ [name]: value }, moving),
+    };
+    if (most <= 1) {
+      this.#add(slider(words(name), { min: least, max: most, step: 0.005 }, "", how));
+      return;
+    }
+    const max = Math.log10(Math.min(most, SHARPEST));
+    this.#add(slider(words(name), { min: 0, max, step: 0.01 }, "", {
+      ...how,
+      toSlider: (exponent) => Math.log10(Math.max(1, exponent)),
+      fromSlider: (place) => 10 ** place,
+    }));
   }
 }
 
 const kind = (type) => capital(type.replaceAll("_", "-"));
 
-const picked = (rgb) => toHex(rgb.map((c) => Math.min(1, c)));
+// A metal has no colour but that of its gloss.
+function swatch({ diffuse = [0.5, 0.5, 0.5], specular = [0, 0, 0] }) {
+  return toHex(strength(diffuse) > 0 ? diffuse : specular);
+}
+
+// As the materials of a scene and of edits are written, in as many digits as the engine keeps.
+function asText(materials) {
+  const short = (key, value) => {
+    if (key === "emission" && !strength(value)) return undefined;
+    return typeof value === "number" ? Number(value.toPrecision(7)) : value;
+  };
+  return JSON.stringify(materials, short, 1).replace(/\n\s*/g, " ");
+}
 
 function defaults({ properties }) {
   const pairs = Object.entries(properties).filter(([, schema]) => schema.default !== undefined);

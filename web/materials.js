@@ -1,7 +1,7 @@
 // Materials that the method holds fixed: another one is a precompute of its own, which is followed
 // here; then the picture changes over to it. What the method makes of each is told beside it.
 
-import { element } from "./fields.js";
+import { element, group } from "./fields.js";
 
 const OWN = ""; // as the scene has it
 const OFF = 0.5; // error of a fit from which on it is marked, as the service warns
@@ -18,6 +18,11 @@ export class Materials {
 
   get #path() {
     return `api/scenes/${encodeURIComponent(this.state.scene.name)}`;
+  }
+
+  // By name, whatever their group.
+  get #presets() {
+    return Object.assign({}, ...Object.values(this.state.scene.material_presets));
   }
 
   // The scene, the method, its product or the materials are others.
@@ -53,12 +58,13 @@ export class Materials {
   }
 
   #row({ name }, k) {
-    const { scene } = this.state;
     const row = element("li", {});
     const select = element("select", { id: `material-${k}` });
     const label = element("label", { textContent: name, htmlFor: select.id, title: name });
     select.append(new Option("As in the scene", OWN));
-    select.append(...Object.keys(scene.material_presets).map((preset) => new Option(preset)));
+    for (const [label, members] of Object.entries(this.state.scene.material_presets)) {
+      select.append(group(label, Object.keys(members).map((preset) => new Option(preset))));
+    }
     select.addEventListener("change", () => this.#choose(name, select.value));
     row.append(label, select, element("small", {}));
     return row;
@@ -66,7 +72,7 @@ export class Materials {
 
   #show(row, { name, description, terms, channels, error }) {
     const select = row.querySelector("select");
-    const { material_presets: presets } = this.state.scene;
+    const presets = this.#presets;
     const edit = JSON.stringify((this.#wanted ?? this.state.materials)[name]);
     const preset = Object.keys(presets).find((key) => JSON.stringify(presets[key]) === edit);
     select.value = preset ?? OWN;
@@ -84,7 +90,7 @@ export class Materials {
   #choose(name, preset) {
     const wanted = { ...(this.#wanted ?? this.state.materials) };
     if (preset === OWN) delete wanted[name];
-    else wanted[name] = this.state.scene.material_presets[preset];
+    else wanted[name] = this.#presets[preset];
     this.#ask(wanted);
   }
 

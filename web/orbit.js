@@ -2,6 +2,7 @@
 // Alt held the environment turns instead.
 
 import { dolly, orbit, pan } from "./camera.js";
+import { takesLetters } from "./fields.js";
 
 const TURN = Math.PI; // for a drag across the picture
 const SHIFT = 0.02; // of the picture's height, for a key
@@ -25,9 +26,10 @@ export class Orbit {
     picture.addEventListener("keydown", (event) => this.#key(event));
     toggle.addEventListener("click", () => this.setMode(!this.mode));
     document.addEventListener("keydown", (event) => {
-      const typing = event.target.matches?.("input, select, textarea");
       const plain = !event.ctrlKey && !event.metaKey && !event.altKey;
-      if (event.key.toLowerCase() === "c" && plain && !typing) this.setMode(!this.mode);
+      if (event.key.toLowerCase() === "c" && plain && !takesLetters(event.target)) {
+        this.setMode(!this.mode);
+      }
     });
   }
 

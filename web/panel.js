@@ -1,7 +1,7 @@
 // The lights' side: a list with switches, and every number of the selected light.
 
-import { fromHex, strength, toHex, withStrength } from "./colour.js";
-import { capital, element, field, number, words } from "./fields.js";
+import { strength, toHex, withStrength } from "./colour.js";
+import { capital, colour, element, field, number, words } from "./fields.js";
 
 const [INTENSITY, RADIANCE, IRRADIANCE] = ["W/sr", "W/(sr·m²)", "W/m²"];
 const UNITS = {
@@ -116,17 +116,13 @@ export class Panel {
   }
 
   #colour(change) {
-    const input = element("input", { type: "color" });
-    let light = null;
-    const pick = (moving) =>
-      change({ intensity: fromHex(input.value, strength(light.intensity)) }, moving);
-    input.addEventListener("input", () => pick(true));
-    input.addEventListener("change", () => pick(false));
-    this.#field("Colour", input);
-    this.#fields.push((now) => {
-      light = now;
-      if (document.activeElement !== input) input.value = toHex(now.intensity);
+    const { row, show } = colour("Colour", {
+      get: ({ intensity }) => intensity,
+      change: (intensity, moving) => change({ intensity }, moving),
+      dark: 0,
     });
+    this.box.append(row);
+    this.#fields.push(show);
   }
 
   #intensity(original, change) {
@@ -166,11 +162,13 @@ export class Panel {
     if (schema.minimum !== undefined) input.min = schema.minimum;
     if (schema.maximum !== undefined) input.max = schema.maximum;
     input.title = schema.description ?? "";
-    input.addEventListener("input", () => {
+    const set = (moving) => {
       if (input.validity.valid && !Number.isNaN(input.valueAsNumber)) {
-        change({ [name]: input.valueAsNumber }, false);
+        change({ [name]: input.valueAsNumber }, moving);
       }
-    });
+    };
+    input.addEventListener("input", () => set(true));
+    input.addEventListener("change", () => set(false));
     this.#field(words(name), input, angle ? "°" : BARE.test(name) ? "" : "m");
     this.#fields.push((now) => {
       if (document.activeElement !== input) input.value = number(now[name]);

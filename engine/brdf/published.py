@@ -1,15 +1,22 @@
-"""The materials of `glossy_prt` (Wang, Tran, Luebke 2006, §5), for tests, charts and benchmarks.
+"""Materials whose numbers are published.
 
+PUBLISHED are those of `glossy_prt` (Wang, Tran, Luebke 2006, §5), for tests, charts and benchmarks.
 The paper gives the numbers of the first two but for the strength of Phong's lobe. Clay and skin are
 fits with three lobes to measurements of the Cornell Program of Computer Graphics, published for
 RenderMan by Westin (2000, *Lafortune BRDF for RenderMan*) and used in Pharr and Humphreys 2004,
 *Physically Based Rendering*; the paper only names them.
+
+METALS and PLASTICS are for choosing. What they reflect at normal incidence is from Akenine-Möller,
+Haines, Hoffman, Pesce, Iwanicki, Hillaire 2018, *Real-Time Rendering*, tables 9.2 (metals, linear
+sRGB) and 9.1 (plastic). How rough a piece is, and what colour a plastic has, is not in them: it is
+chosen here.
 """
 
 from __future__ import annotations
 
 from engine.brdf.ashikhmin_shirley import AshikhminShirley
 from engine.brdf.base import Material
+from engine.brdf.cook_torrance import CookTorrance
 from engine.brdf.lafortune import Lafortune, Lobe
 from engine.brdf.phong import Phong
 
@@ -74,4 +81,33 @@ PUBLISHED: dict[str, Material] = {
     "Ashikhmin-Shirley": BRUSHED,
     "clay": CLAY,
     "skin": SKIN,
+}
+
+
+def _metal(f0: tuple[float, float, float], roughness: float) -> CookTorrance:
+    return CookTorrance(emission=DARK, diffuse=DARK, specular=f0, roughness=roughness)
+
+
+def _plastic(diffuse: tuple[float, float, float], roughness: float) -> CookTorrance:
+    return CookTorrance(
+        emission=DARK, diffuse=diffuse, specular=(0.04, 0.04, 0.04), roughness=roughness
+    )
+
+
+METALS: dict[str, Material] = {
+    "aluminium": _metal((0.913, 0.922, 0.924), 0.25),
+    "chromium": _metal((0.549, 0.556, 0.554), 0.15),
+    "copper": _metal((0.955, 0.638, 0.538), 0.2),
+    "gold": _metal((1.000, 0.782, 0.344), 0.2),
+    "iron": _metal((0.562, 0.565, 0.578), 0.3),
+    "silver": _metal((0.972, 0.960, 0.915), 0.15),
+    "titanium": _metal((0.542, 0.497, 0.449), 0.25),
+}
+
+PLASTICS: dict[str, Material] = {
+    "white plastic": _plastic((0.8, 0.8, 0.8), 0.15),
+    "red plastic": _plastic((0.6, 0.03, 0.02), 0.15),
+    "blue plastic": _plastic((0.03, 0.1, 0.5), 0.15),
+    "black plastic": _plastic((0.02, 0.02, 0.02), 0.15),
+    "satin plastic": _plastic((0.5, 0.5, 0.5), 0.4),
 }
