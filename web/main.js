@@ -61,7 +61,9 @@ const editor = new MaterialEditor(
   call,
 );
 const picking = new Picking(state, find("picture"), (x, y) => editor.pick(x, y));
-new Compare(state, find("compare"));
+const compare = new Compare(
+  state, { button: find("compare"), canvas, before: find("before") }, ownPicture,
+);
 new History(state, { undo: find("undo"), redo: find("redo") });
 const orbit = new Orbit(state, find("picture"), find("camera-mode"));
 
@@ -101,13 +103,23 @@ async function precompute() {
   requests.changed(false);
 }
 
-async function mapPicture(map) {
-  const path = `api/scenes/${encodeURIComponent(state.scene.name)}/environment`;
-  // The scene's own map may be a file that nobody can ask for by name.
-  const own = JSON.stringify(map) === JSON.stringify(state.scene.environment.description?.map);
-  const response = await fetch(path, post(own ? {} : { environment: { map } }));
+async function picture(what, edits) {
+  const path = `api/scenes/${encodeURIComponent(state.scene.name)}/${what}`;
+  const request = post(edits);
+  request.headers.Accept = "image/png";
+  const response = await fetch(path, request);
   if (!response.ok) throw new Error((await response.json()).detail);
   return createImageBitmap(await response.blob());
+}
+
+function mapPicture(map) {
+  // The scene's own map may be a file that nobody can ask for by name.
+  const own = JSON.stringify(map) === JSON.stringify(state.scene.environment.description?.map);
+  return picture("environment", own ? {} : { environment: { map } });
+}
+
+function ownPicture({ edits, exposure, method }) {
+  return picture(`frame?${new URLSearchParams({ exposure, method })}`, edits);
 }
 
 function sendMap(file) {
@@ -132,7 +144,9 @@ function showFrame(bitmap, header, roundTrip, cause) {
   // What the method makes of the materials is known once its product is there.
   if (canvas.dataset.method !== header.method) materials.refresh();
   for (const key of ["seq", "scale", "format", "method"]) canvas.dataset[key] = header[key];
-  canvas.dataset.state = requests.isFinal(header) ? "final" : "changing";
+  const final = requests.isFinal(header);
+  canvas.dataset.state = final ? "final" : "changing";
+  if (final) compare.keep();
   find("waiting").hidden = true;
   requests.took(header);
   status.frame(header, roundTrip);

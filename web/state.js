@@ -15,7 +15,6 @@ export class State {
     this.environment = null;
     this.materials = {};
     this.materialEdits = {};
-    this.comparing = false;
     this.camera = null;
     this.exposure = 0;
     this.method = "direct_to_indirect";
@@ -23,8 +22,8 @@ export class State {
   }
 
   // Called as listener(what, moving): what is "scene", "lights", "environment", "materials",
-  // "materialEdits", "restored" (of these), "comparing", "camera", "exposure", "method" or
-  // "selected"; moving is true while the hand is still at it.
+  // "materialEdits", "restored" (of these), "camera", "exposure", "method" or "selected";
+  // moving is true while the hand is still at it.
   listen(listener) {
     this.#listeners.push(listener);
   }
@@ -100,13 +99,6 @@ export class State {
   setMaterialEdits(materials, moving = false) {
     this.materialEdits = materials;
     this.#tell("materialEdits", moving);
-  }
-
-  // Whether the picture shows the scene's own materials in the place of those in the hand.
-  setComparing(on) {
-    if (on === this.comparing) return;
-    this.comparing = on;
-    this.#tell("comparing");
   }
 
   // Lights, environment and materials in the hand as they were.
@@ -237,7 +229,7 @@ export class State {
       (light) => !same(light, this.scene.lights.find((old) => old.id === light.id)),
     );
     if (lights.length && this.takes("lights")) edits.lights = lights;
-    if (Object.keys(this.materialEdits).length && this.takes("materials") && !this.comparing) {
+    if (Object.keys(this.materialEdits).length && this.takes("materials")) {
       edits.materials = this.materialEdits;
     }
     // A method that holds the camera fixed too has not been precomputed with them.
