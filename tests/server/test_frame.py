@@ -55,9 +55,38 @@ def test_describes_a_scene(client: Client) -> None:
     assert scene["environment"]["maps"] == ["studio"]
     assert scene["environment"]["sky"]["properties"]["turbidity"]["maximum"] == 10
     assert scene["environment"]["area_light"]["properties"]["radius_degrees"]["maximum"] == 45
-    assert scene["material_presets"]["red Phong"]["exponent"] == 50
-    assert "emission" not in scene["material_presets"]["plain diffuse"]
+    assert scene["material_presets"]["Wang et al. 2006"]["red Phong"]["exponent"] == 50
+    assert "emission" not in scene["material_presets"]["Matt"]["plain diffuse"]
     assert scene["triangles"] == 30
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "material"),
+    [(0.2, 0.5, "red"), (0.8, 0.5, "green"), (0.5, 0.5, "white"), (0.01, 0.5, None)],
+)
+def test_tells_what_a_place_of_the_picture_shows(
+    client: Client, x: float, y: float, material: str | None
+) -> None:
+    picked = client.post("/api/scenes/tiny-box/pick", params={"x": x, "y": y})
+    assert (picked.status_code, picked.json()) == (200, {"material": material})
+
+
+def test_picks_through_the_camera_of_the_edits(client: Client) -> None:
+    scene = client.get("/api/scenes/tiny-box").json()["camera"]
+    away = np.array(scene["position"]) * 2 - scene["target"]
+    for target, material in ((scene["target"], "white"), (away.tolist(), None)):
+        picked = client.post(
+            "/api/scenes/tiny-box/pick",
+            params={"x": 0.5, "y": 0.5},
+            json={"camera": {"target": target}},
+        )
+        assert picked.json() == {"material": material}
+
+
+def test_there_is_nothing_beside_the_picture(client: Client) -> None:
+    beside = client.post("/api/scenes/tiny-box/pick", params={"x": 1.2, "y": 0.5})
+    assert (beside.status_code, beside.json()["field"]) == (422, "x")
+    assert client.post("/api/scenes/no/pick", params={"x": 0, "y": 0}).status_code == 404
 
 
 @pytest.mark.parametrize("format", ["jpeg", "png", "webp"])

@@ -100,8 +100,10 @@ def test_materials_are_drawn_once_they_are_precomputed(
 
 def test_a_preset_tells_its_terms_and_error(client: httpx.Client) -> None:
     presets = client.get("/api/scenes/floor").json()["material_presets"]
-    assert set(presets) == {"plain diffuse", "red Phong", "Ashikhmin-Shirley", "clay", "skin"}
-    skin = {"floor": presets["skin"]}
+    assert list(presets) == ["Matt", "Metals", "Plastics", "Wang et al. 2006"]
+    paper = presets["Wang et al. 2006"]
+    assert set(paper) == {"red Phong", "Ashikhmin-Shirley", "clay", "skin"}
+    skin = {"floor": paper["skin"]}
     precompute(client, skin)
     (floor,) = materials(client, {"materials": skin})
     assert floor["description"]["type"] == "lafortune"

@@ -155,7 +155,6 @@ def test_a_click_sees_through_the_camera_of_the_page(editing: Any) -> None:
     page.get_by_role("button", name="Reset view").click()
     click(page, (0.78, 0.5))
     assert {turned, in_hand(page)} == {"white", "green"}
-    page.get_by_role("button", name="Cancel").click()
 
 
 def test_a_drag_of_a_slider_is_one_step(editing: Any) -> None:
@@ -177,7 +176,8 @@ def test_a_drag_of_a_slider_is_one_step(editing: Any) -> None:
     assert exact(page, "Diffuse") == pytest.approx(10, abs=2)
     assert page.get_by_label("Diffuse", exact=True).evaluate("(n) => n.valueAsNumber") < 13
     page.keyboard.press("Control+z")
-    np.testing.assert_array_equal(settled(page), before)
+    # The first picture was made with another material in hand: in sixteen bits it is another one.
+    np.testing.assert_allclose(settled(page), before, atol=1)
     assert exact(page, "Diffuse") == start
     assert undo.is_disabled()
     page.keyboard.press("Control+Shift+Z")
@@ -293,7 +293,7 @@ def test_the_picture_before_is_shown_while_a_key_or_a_button_is_held(editing: An
     page.keyboard.up("b")
     np.testing.assert_array_equal(seen(page), edited)
     page.get_by_role("button", name="Reset materials").click()
-    np.testing.assert_array_equal(settled(page), bright)
+    np.testing.assert_allclose(settled(page), bright, atol=1)
     assert bright[WALL].mean() > 1.2 * before[WALL].mean()
 
 
