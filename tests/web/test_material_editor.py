@@ -266,6 +266,8 @@ def test_the_picture_before_is_shown_while_a_key_or_a_button_is_held(editing: An
     edited = settled(page)
     assert np.abs(edited - before).max() > 20
     page.evaluate(COUNT)
+    frames: list[str] = []
+    page.on("request", lambda r: frames.append(r.url) if "/frame" in r.url else None)
     page.keyboard.down("b")
     np.testing.assert_array_equal(seen(page), before)
     assert page.locator("#compare").get_attribute("aria-pressed") == "true"
@@ -281,6 +283,7 @@ def test_the_picture_before_is_shown_while_a_key_or_a_button_is_held(editing: An
     assert page.locator("#compare").get_attribute("aria-pressed") == "false"
     # Nothing was asked for: what the service holds in its hand stays there.
     assert page.evaluate("window.edits") == 0
+    assert frames == []
     # Under another exposure the picture before is another one too.
     page.get_by_label("Exposure").focus()
     for _ in range(10):
