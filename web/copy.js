@@ -4,8 +4,8 @@ import { element } from "./fields.js";
 
 const TOLD_MS = 1500;
 
-// text() is what to copy now.
-export function copyButton(text) {
+// text() is what to copy now; a box for it comes after `place`.
+export function copyButton(text, place) {
   const button = element("button", { type: "button", textContent: "Copy" });
   button.addEventListener("click", async () => {
     try {
@@ -14,7 +14,7 @@ export function copyButton(text) {
       button.textContent = "Copied";
       setTimeout(() => (button.textContent = "Copy"), TOLD_MS);
     } catch {
-      showText(text(), button.parentElement);
+      showText(text(), place);
     }
   });
   return button;

@@ -106,7 +106,7 @@ export class MaterialEditor {
     this.#fields = [];
     const name = this.#selected;
     const title = element("h3", { textContent: name });
-    const copy = copyButton(() => asText({ [name]: this.#material(name) }));
+    const copy = copyButton(() => asText({ [name]: this.#material(name) }), title);
     copy.title = "as JSON, for the materials of a scene or of edits";
     const reset = element("button", { type: "button", textContent: "Reset" });
     reset.addEventListener("click", () => {
@@ -160,15 +160,17 @@ export class MaterialEditor {
 
   // Its colour, and how much of the light it is.
   #reflectance(name, { description: title }) {
-    const get = (now) => now[name];
     const change = (value, moving) => this.#change({ [name]: value }, moving);
-    this.#add(colour(`${words(name)} colour`, { get, change, title }));
+    this.#add(colour(`${words(name)} colour`, { get: (now) => now[name], change, title }));
+    // A hand that passes through black does not lose the colour there.
+    let last = [0, 0, 0];
     this.#add(slider(words(name), { min: 0, max: 100, step: 0.5 }, "%", {
       title,
-      get: (now) => 100 * strength(now[name]),
-      change: (percent, moving) => {
-        change(withStrength(this.#material(this.#selected)[name], percent / 100), moving);
+      get: ({ [name]: now }) => {
+        if (strength(now)) last = now;
+        return 100 * strength(now);
       },
+      change: (percent, moving) => change(withStrength(last, percent / 100), moving),
     }));
   }
 

@@ -209,6 +209,17 @@ def test_what_is_typed_and_not_yet_taken_is_a_step_too(editing: Any) -> None:
     assert exact(page, "Diffuse") == 12
 
 
+def test_a_colour_outlasts_black(editing: Any) -> None:
+    page: Page = editing.page
+    click(page, RED)
+    tint = page.get_by_label("Diffuse colour").input_value()
+    pull(page, "Diffuse", 0)
+    assert exact(page, "Diffuse") == 0
+    pull(page, "Diffuse", 0.5)
+    assert exact(page, "Diffuse") > 40
+    assert page.get_by_label("Diffuse colour").input_value() == tint
+
+
 def test_the_history_is_bounded(editing: Any) -> None:
     page: Page = editing.page
     click(page, RED)
@@ -333,6 +344,10 @@ def test_a_copied_material_is_an_edit(editing: Any, ready: str) -> None:
     page.evaluate("() => { navigator.clipboard.writeText = () => Promise.reject(new Error()); }")
     page.get_by_role("button", name="Copy").click()
     box = page.get_by_label("Text to copy")
+    bounds, side = box.bounding_box(), page.locator("#editor").bounding_box()
+    assert bounds is not None
+    assert side is not None
+    assert bounds["width"] == side["width"]
     assert box.input_value() == text
     assert box.evaluate("(n) => n.value.slice(n.selectionStart, n.selectionEnd)") == text
     assert box.evaluate("(n) => n === document.activeElement")
