@@ -23,6 +23,7 @@ from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.cook_torrance import MIN_SLOPE, CookTorrance
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
+from engine.brdf.half_angle_curve import HalfAngleCurve, nearest_exponent
 from engine.brdf.lafortune import Lafortune
 from engine.errors import InputError
 from engine.light.area import AreaLight
@@ -184,6 +185,8 @@ def _alpha(material: Any) -> float:
         exponent = math.sqrt((material.exponent_u + 1) * (material.exponent_v + 1)) - 1
     elif isinstance(material, BlinnPhong):
         exponent = material.exponent
+    elif isinstance(material, HalfAngleCurve):
+        exponent = nearest_exponent(material.curve)
     else:
         # The lobe of a mirror direction is four times as sharp as that of a half vector.
         exponent = 4 * (

@@ -13,7 +13,8 @@ from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.curve_basis import Basis, coefficients, weights_at
 from engine.brdf.equivalent_albedo import shares
 from engine.brdf.ggx import Ggx
-from engine.brdf.layers import LAYERS, angle_of, factors, place_of
+from engine.brdf.half_angle import angle_of, place_of
+from engine.brdf.layers import LAYERS, factors
 from engine.brdf.published import PUBLISHED
 from engine.numerics.vec import vec
 
