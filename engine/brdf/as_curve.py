@@ -22,6 +22,8 @@ def as_curve(material: Material) -> HalfAngleCurve:
     angle, and a brushed one gets that along its grain. Models without a lobe, or with one that has
     no half angle, get the default curve.
     """
+    if isinstance(material, HalfAngleCurve):
+        return material
     if isinstance(material, Phong):
         fields = material.model_dump(exclude={"type", "exponent"})
         material = BlinnPhong(**fields, exponent=min(4 * material.exponent, 1e5))

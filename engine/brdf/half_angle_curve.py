@@ -15,10 +15,10 @@ The mean of the curve, weighed by the cosine, is the part of the surface that fa
 
     ∫ D cos θ_h dh = Σ_k w_k c_k
 
-Grooves reflect no more than they receive as long as it is at most 1, whatever the curve: G is what a
-groove of two facets shows of them. Over a white base it is 0.7 % too much at worst, of facets that
-lie 15 degrees steep to the last, since what the base gets is reckoned for a level interface. A curve
-that covers more is scaled down, or refused: `energy`. One that covers less loses light.
+Grooves reflect no more than they receive as long as it is at most 1, whatever the curve: G is what
+a groove of two facets shows of them. Over a white base it is 0.7 % too much at worst, of facets all
+15 degrees steep, since what the base gets is reckoned for a level interface. A curve that covers
+more is scaled down, or refused: `energy`. One that covers less loses light.
 """
 
 from __future__ import annotations
@@ -79,20 +79,6 @@ def cover(curve: NDArray[np.float64] | tuple[float, ...]) -> float:
     return float(WEIGHTS @ np.asarray(curve, np.float64))
 
 
-def nearest_exponent(curve: tuple[float, ...]) -> float:
-    """Of Blinn and Phong's lobe whose facets have the same mean sin² θ_h; 0 where none is as wide.
-
-    Its facets have 1 / (n/2 + 2).
-    """
-    place = np.linspace(0, 1, 64 * BANDS + 1)
-    middle = 0.5 * (place[1:] + place[:-1])
-    share = np.diff(_even.py_func(place)) * np.interp(middle, place[::64], curve)
-    if not share.any():
-        return 0.0
-    sine2 = float(share @ _even.py_func(middle) / share.sum())
-    return max(0.0, 2 / sine2 - 4)
-
-
 class HalfAngleCurve(Material):
     """Cloth, paint, metals: any distribution of facets, node by node."""
 
@@ -144,6 +130,16 @@ class HalfAngleCurve(Material):
         row[EXTRA:COVER] = np.asarray(self.curve) / max(1.0, covered)
         row[COVER] = min(1.0, covered)
         return row
+
+    @property
+    def exponent(self) -> float:
+        """Of Blinn and Phong's lobe whose facets have the same mean sin² θ_h, 1 / (n/2 + 2)."""
+        place = np.linspace(0, 1, 64 * BANDS + 1)
+        middle = 0.5 * (place[1:] + place[:-1])
+        share = np.diff(_even.py_func(place)) * np.interp(middle, place[::64], self.curve)
+        if not share.any():
+            return 0.0
+        return max(0.0, 2 * share.sum() / float(share @ _even.py_func(middle)) - 4)
 
 
 @njit

@@ -27,9 +27,7 @@ def albedo_diagnoses(
     for m, (name, material) in enumerate(zip(names, materials, strict=True)):
         # Measuring takes a while, so leave out what is never told of: models that conserve energy,
         # and normalised lobes over a base whose colours add up to no more than 1.
-        if isinstance(
-            material, Diffuse | Ggx | AshikhminShirley | CookTorrance | HalfAngleCurve
-        ):
+        if isinstance(material, Diffuse | Ggx | AshikhminShirley | CookTorrance | HalfAngleCurve):
             continue
         if isinstance(material, Phong | BlinnPhong) and (
             np.max(np.add(material.diffuse, material.specular)) <= 1.0 + 1e-6

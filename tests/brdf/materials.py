@@ -85,7 +85,7 @@ def spike(node: int, cover: float = 1.0, **fields: Any) -> HalfAngleCurve:
 EXTREMES = [
     *(m for description in MODELS for m in extremes(description)),
     *PUBLISHED.values(),
-    *(spike(node, diffuse=BLACK, specular=(0.9,) * 3) for node in (0, 9, NODES - 1)),
+    *(spike(node, diffuse=BLACK, specular=(0.9,) * 3) for node in (5, 9, 14)),
     spike(0, cover=0),
 ]
 # Models whose reflectance rises to white at grazing angles, whatever their colours.
