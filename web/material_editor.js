@@ -1,6 +1,7 @@
 // Materials under the hand, for a method that takes edits of them: type, colours, sharpness.
 
 import { fromHex, strength, toHex, withStrength } from "./colour.js";
+import { curveEditor } from "./curve_editor.js";
 import { capital, element, field, number, words } from "./fields.js";
 import { post } from "./materials.js";
 
@@ -100,7 +101,8 @@ export class MaterialEditor {
     const { properties } = this.state.scene.material_types[material.type] ?? { properties: {} };
     for (const [property, schema] of Object.entries(properties)) {
       if (HIDDEN.has(property)) continue;
-      if (schema.type === "array") this.#colour(property, schema);
+      if (schema.minItems > 3) this.#curve(property, schema);
+      else if (schema.type === "array") this.#colour(property, schema);
       else if (schema.type === "number") this.#number(property, schema);
     }
   }
@@ -120,15 +122,33 @@ export class MaterialEditor {
       group("Type", names.map((name) => new Option(kind(name), name))),
       group("Known materials", known.map(([name]) => new Option(name, `preset:${name}`))),
     );
-    select.addEventListener("change", () => {
-      const { emission } = this.#own[this.#selected];
+    select.addEventListener("change", async () => {
+      const name = this.#selected;
+      const { emission } = this.#own[name];
       const preset = presets[select.value.replace(/^preset:/, "")];
-      this.#set({ ...(preset ?? defaults(types[select.value])), emission }, false);
+      const start = preset ?? (await this.#start(types[select.value]));
+      if (name === this.#selected) this.#set({ ...start, emission }, false);
     });
     this.#field("Type", select);
     this.#fields.push((now) => {
       select.value = now.type;
     });
+  }
+
+  // What a type starts from: one with a curve from the material as it is.
+  async #start(type) {
+    if (!type.properties.curve) return defaults(type);
+    const { scene, materialEdits: materials } = this.state;
+    const path = `api/scenes/${encodeURIComponent(scene.name)}/materials`;
+    const found = await this.call(path, post({ materials }));
+    return found.find(({ name }) => name === this.#selected).curve;
+  }
+
+  #curve(name, schema) {
+    const change = (values, moving) => this.#change({ [name]: values }, moving);
+    const { box, show } = curveEditor(words(name), schema, change);
+    this.box.append(box);
+    this.#fields.push((now) => show(now[name]));
   }
 
   #field(label, control, unit = "") {

@@ -1,15 +1,16 @@
 """Facets whose distribution is a curve of points: measured materials, and what a hand draws.
 
 Ashikhmin, Premože, Shirley 2000, *A Microfacet-Based BRDF Generator*, and Ngan, Durand, Matusik
-2005, *Experimental Analysis of BRDF Models*, leave the distribution of half vectors free; Ben-Artzi,
-Egan, Ramamoorthi, Durand 2008 edit it (§3.1, appendix A, "measured half-angle distributions"). Here
-it stands in place of Beckmann's in `cook_torrance`, with the F, G and base of that model:
+2005, *Experimental Analysis of BRDF Models*, leave the distribution of half vectors free, and
+Ben-Artzi, Egan, Ramamoorthi, Durand 2008 edit it (§3.1, appendix A). Here it stands in place of
+Beckmann's in `cook_torrance`, with the F, G and base of that model:
 
     f_s = F D G / (4 cos θ_i cos θ_o),    D = c(θ_h) / π sr⁻¹
 
 The curve c is a line from node to node over the place u of the half angle, see `half_angle`. Its 22
 nodes lie at every third of 64 tents, so that the basis of `brdf_editing` holds every curve exactly.
-1 is the distribution of facets that lie evenly: c of Blinn and Phong's exponent n is (n/2 + 1) cosⁿ.
+1 is the distribution of facets that lie evenly; c of Blinn and Phong's exponent n is
+(n/2 + 1) cosⁿ θ_h.
 
 The mean of the curve, weighed by the cosine, is the part of the surface that facets cover:
 
