@@ -87,6 +87,7 @@ EXTREMES = [
     *PUBLISHED.values(),
     *(spike(node, diffuse=BLACK, specular=(0.9,) * 3) for node in (5, 9, 14)),
     spike(0, cover=0),
+    spike(11, cover=0.4),
 ]
 # Models whose reflectance rises to white at grazing angles, whatever their colours.
 WITH_FRESNEL = (Ggx, AshikhminShirley, CookTorrance, HalfAngleCurve)
