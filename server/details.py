@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.brdf.as_curve import as_curve
 from engine.brdf.base import Material
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.layers import LAYERS
@@ -113,7 +114,11 @@ def material_details(stage: Stage, edits: Edits, method: str) -> list[MaterialDe
     product = stage.product(stage.camera(edits), method, edits.materials)
     fits = {fit.name: asdict(fit) for fit in product.fits} if product is not None else {}
     return [
-        MaterialDetail(**{"name": name, **fits.get(name, {})}, description=material.model_dump())
+        MaterialDetail(
+            **{"name": name, **fits.get(name, {})},
+            description=material.model_dump(),
+            curve=as_curve(material).model_dump(),
+        )
         for name, material in zip(scene.material_names, scene.materials, strict=True)
     ]
 

@@ -103,11 +103,13 @@ class EnvironmentDetail(Wire):
 class MaterialDetail(Wire):
     """A material as it is; how the method models it once its product is there, else None.
 
+    curve                   the same as a `half_angle_curve`, for a hand to bend
     terms, channels, error  see `engine.methods.base.MaterialFit`
     """
 
     name: str
     description: dict[str, Any]
+    curve: dict[str, Any]
     terms: int | None = None
     channels: int | None = None
     error: float | None = None

@@ -2,6 +2,7 @@
 
 import { strength, toHex, withStrength } from "./colour.js";
 import { copyButton } from "./copy.js";
+import { curveEditor } from "./curve_editor.js";
 import { capital, colour, element, field, group, slider, words } from "./fields.js";
 import { post } from "./materials.js";
 
@@ -121,7 +122,8 @@ export class MaterialEditor {
     const { properties } = this.state.scene.material_types[material.type] ?? { properties: {} };
     for (const [property, schema] of Object.entries(properties)) {
       if (HIDDEN.has(property)) continue;
-      if (schema.type === "array") this.#reflectance(property, schema);
+      if (schema.minItems > 3) this.#curve(property, schema);
+      else if (schema.type === "array") this.#reflectance(property, schema);
       else if (schema.type === "number") this.#number(property, schema);
     }
   }
@@ -138,10 +140,12 @@ export class MaterialEditor {
       group("Type", names.map((name) => new Option(kind(name), name))),
       ...Object.entries(presets).map(([label, members]) => group(label, able(members).map(option))),
     );
-    select.addEventListener("change", () => {
-      const { emission } = this.#own[this.#selected];
+    select.addEventListener("change", async () => {
+      const name = this.#selected;
+      const { emission } = this.#own[name];
       const preset = known[select.value.replace(/^preset /, "")];
-      this.#set({ ...(preset ?? defaults(types[select.value])), emission }, false);
+      const start = preset ?? (await this.#start(types[select.value]));
+      if (start && name === this.#selected) this.#set({ ...start, emission }, false);
     });
     this.#add({
       row: field("Type", select),
@@ -156,6 +160,19 @@ export class MaterialEditor {
   #add({ row, show }) {
     this.box.append(row);
     this.#fields.push(show);
+  }
+
+  // What a type starts from: one with a curve from the material as it is.
+  async #start(type) {
+    if (!type.properties.curve) return defaults(type);
+    const found = await this.#ask("materials", { materials: this.state.materialEdits });
+    return found?.find(({ name }) => name === this.#selected)?.curve;
+  }
+
+  #curve(name, schema) {
+    const change = (values, moving) => this.#change({ [name]: values }, moving);
+    const { box, show } = curveEditor(words(name), schema, change);
+    this.#add({ row: box, show: (now) => show(now[name]) });
   }
 
   // Its colour, and how much of the light it is.

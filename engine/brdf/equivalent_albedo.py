@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from engine.brdf.base import without_grain
 from engine.brdf.curve_basis import Basis, weights_at
-from engine.brdf.layers import CONSTANTS, CURVES, LAYERS, Layers, angle_of, factors
+from engine.brdf.half_angle import angle_of
+from engine.brdf.layers import CONSTANTS, CURVES, LAYERS, Layers, factors
 from engine.numerics.frames import tangents, to_world
 from engine.numerics.vec import dot, reflect
 

@@ -26,9 +26,18 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.brdf import ashikhmin_shirley, blinn_phong, cook_torrance, diffuse, ggx, phong
+from engine.brdf import (
+    ashikhmin_shirley,
+    blinn_phong,
+    cook_torrance,
+    diffuse,
+    ggx,
+    half_angle_curve,
+    phong,
+)
 from engine.brdf.base import DIFFUSE, EXTRA, ROUGHNESS, SPECULAR, half, to_grain
 from engine.brdf.fresnel import f90, rise
+from engine.brdf.half_angle import place_of
 from engine.brdf.table import MODELS
 from engine.numerics.dispatch import by_index
 from engine.numerics.vec import dot
@@ -49,7 +58,7 @@ class Layers:
 
     constants, curves  how many of each it has
     factors            kernel (p, wi, wo) -> (u, q0, q1, q2, g0, g1): where γ lies between 0 and 1,
-                       see `angle_of`, the quotients of the constants and those of the curves
+                       see `half_angle`, the quotients of the constants and those of the curves
     colours            row -> (constants, 3), the a_l
     lobes              (row, θ (n,)) -> (curves, n, 3), the f_l at angles γ
     held               row -> what of it the quotients keep
@@ -67,17 +76,6 @@ class Layers:
     def covers(self, p: NDArray[np.float32], row: NDArray[np.float32]) -> bool:
         """Whether quotients that were taken from p serve another row of the same model."""
         return math.isclose(self.held(p), self.held(row), rel_tol=1e-5)
-
-
-def angle_of(u: NDArray[np.float64]) -> NDArray[np.float64]:
-    """γ in radians of places u in [0, 1]: u⁴ = 1 - cos γ, so that small angles get most places."""
-    return np.arccos(1 - u**4)
-
-
-@njit
-def place_of(cosine):
-    """The inverse of `angle_of`, of cos γ."""
-    return math.sqrt(math.sqrt(max(0.0, 1.0 - cosine)))
 
 
 @njit
@@ -195,6 +193,13 @@ def _brushed_lobe(row: NDArray[np.float32], theta: NDArray[np.float64]) -> NDArr
     return _under_fresnel(row, unit * np.cos(theta) ** max(LEAST, nu))
 
 
+def _free_lobe(row: NDArray[np.float32], theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    curve = row[EXTRA : half_angle_curve.COVER]
+    places = np.sqrt(np.sqrt(1 - np.cos(theta)))
+    lobe = np.interp(places, np.linspace(0, 1, len(curve)), curve) / np.pi
+    return _under_fresnel(row, lobe)
+
+
 def _ratio(row: NDArray[np.float32]) -> float:
     return float(row[EXTRA]) / max(LEAST, float(row[ROUGHNESS]))
 
@@ -217,6 +222,7 @@ _LAYERS: dict[ModuleType, Layers] = {
     # Smith's G knows the roughness.
     ggx: Layers(3, 2, _ggx, _coupled_colours, _ggx_lobe, lambda row: float(row[ROUGHNESS])),
     cook_torrance: Layers(3, 2, _cook_torrance, _coupled_colours, _beckmann_lobe),
+    half_angle_curve: Layers(3, 2, _cook_torrance, _coupled_colours, _free_lobe),
     ashikhmin_shirley: Layers(1, 2, _ashikhmin_shirley, _brushed_colours, _brushed_lobe, _ratio),
 }
 

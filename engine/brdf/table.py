@@ -13,6 +13,7 @@ from engine.brdf import (
     cook_torrance,
     diffuse,
     ggx,
+    half_angle_curve,
     lafortune,
     phong,
 )
@@ -22,6 +23,7 @@ from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.cook_torrance import CookTorrance
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
+from engine.brdf.half_angle_curve import HalfAngleCurve
 from engine.brdf.lafortune import Lafortune
 from engine.brdf.phong import Phong
 from engine.numerics.dispatch import by_index
@@ -34,10 +36,18 @@ MODELS: dict[type[Material], ModuleType] = {
     AshikhminShirley: ashikhmin_shirley,
     Lafortune: lafortune,
     CookTorrance: cook_torrance,
+    HalfAngleCurve: half_angle_curve,
 }
 
 AnyMaterial = Annotated[
-    Diffuse | Phong | BlinnPhong | Ggx | AshikhminShirley | Lafortune | CookTorrance,
+    Diffuse
+    | Phong
+    | BlinnPhong
+    | Ggx
+    | AshikhminShirley
+    | Lafortune
+    | CookTorrance
+    | HalfAngleCurve,
     Field(discriminator="type"),
 ]
 

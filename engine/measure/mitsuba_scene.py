@@ -23,6 +23,7 @@ from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.cook_torrance import MIN_SLOPE, CookTorrance
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
+from engine.brdf.half_angle_curve import HalfAngleCurve
 from engine.brdf.lafortune import Lafortune
 from engine.errors import InputError
 from engine.light.area import AreaLight
@@ -182,13 +183,12 @@ def _alpha(material: Any) -> float:
         return float(max(material.roughness, MIN_SLOPE))
     if isinstance(material, AshikhminShirley):
         exponent = math.sqrt((material.exponent_u + 1) * (material.exponent_v + 1)) - 1
-    elif isinstance(material, BlinnPhong):
+    elif isinstance(material, BlinnPhong | HalfAngleCurve):
         exponent = material.exponent
     else:
         # The lobe of a mirror direction is four times as sharp as that of a half vector.
-        exponent = 4 * (
-            _sharpest(material) if isinstance(material, Lafortune) else material.exponent
-        )
+        mirrored = _sharpest(material) if isinstance(material, Lafortune) else material.exponent
+        exponent = 4 * mirrored
     return float(np.sqrt(2 / (exponent + 2)))
 
 

@@ -13,6 +13,7 @@ from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.cook_torrance import CookTorrance
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
+from engine.brdf.half_angle_curve import HalfAngleCurve
 from engine.brdf.phong import Phong
 from engine.diagnosis import Diagnosis
 from engine.scene.scene import MaterialTable
@@ -26,7 +27,7 @@ def albedo_diagnoses(
     for m, (name, material) in enumerate(zip(names, materials, strict=True)):
         # Measuring takes a while, so leave out what is never told of: models that conserve energy,
         # and normalised lobes over a base whose colours add up to no more than 1.
-        if isinstance(material, Diffuse | Ggx | AshikhminShirley | CookTorrance):
+        if isinstance(material, Diffuse | Ggx | AshikhminShirley | CookTorrance | HalfAngleCurve):
             continue
         if isinstance(material, Phong | BlinnPhong) and (
             np.max(np.add(material.diffuse, material.specular)) <= 1.0 + 1e-6

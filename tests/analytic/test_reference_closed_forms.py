@@ -221,6 +221,7 @@ def test_area_light_over_plane(kind):
         {"type": "ashikhmin_shirley", "exponent_u": 3, "exponent_v": 400},
         SKIN.model_dump(),
         {"type": "cook_torrance", "specular": [0.9, 0.5, 0.1], "roughness": 0.2},
+        {"type": "half_angle_curve", "specular": [0.9, 0.5, 0.1]},
     ],
     ids=[
         "ggx rough",
@@ -230,6 +231,7 @@ def test_area_light_over_plane(kind):
         "ashikhmin-shirley",
         "skin",
         "cook-torrance",
+        "curve",
     ],
 )
 def test_gloss_under_white_sky(material):

@@ -11,6 +11,7 @@ from engine.brdf import Material
 from engine.brdf.ashikhmin_shirley import AshikhminShirley
 from engine.brdf.cook_torrance import CookTorrance
 from engine.brdf.ggx import Ggx
+from engine.brdf.half_angle_curve import NODES, WEIGHTS, HalfAngleCurve
 from engine.brdf.published import PUBLISHED
 from engine.brdf.table import INDEX, MODELS
 
@@ -26,6 +27,7 @@ def colours(description: type[Material]) -> list[str]:
         if name != "emission"
         and isinstance(field.default, tuple)
         and isinstance(field.default[0], float)
+        and len(field.default) == 3
     ]
 
 
@@ -72,9 +74,23 @@ def model_and_row(material: Material) -> tuple[int, NDArray[np.float32]]:
 
 
 LOBES = [m for description in MODELS for m in lobes(description)]
-EXTREMES = [*(m for description in MODELS for m in extremes(description)), *PUBLISHED.values()]
+
+
+def spike(node: int, cover: float = 1.0, **fields: Any) -> HalfAngleCurve:
+    """Facets about the angle of one node, which cover so much of the surface."""
+    curve = [cover / WEIGHTS[k] if k == node else 0 for k in range(NODES)]
+    return HalfAngleCurve(**{"curve": curve, **fields})
+
+
+EXTREMES = [
+    *(m for description in MODELS for m in extremes(description)),
+    *PUBLISHED.values(),
+    *(spike(node, diffuse=BLACK, specular=(0.9,) * 3) for node in (5, 9, 14)),
+    spike(0, cover=0),
+    spike(11, cover=0.4),
+]
 # Models whose reflectance rises to white at grazing angles, whatever their colours.
-WITH_FRESNEL = (Ggx, AshikhminShirley, CookTorrance)
+WITH_FRESNEL = (Ggx, AshikhminShirley, CookTorrance, HalfAngleCurve)
 
 
 def direction(theta_degrees: float, phi_degrees: float = 20.0) -> NDArray[np.float64]:

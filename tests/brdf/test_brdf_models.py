@@ -19,6 +19,7 @@ from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.cook_torrance import CookTorrance
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
+from engine.brdf.half_angle_curve import HalfAngleCurve
 from engine.brdf.phong import Phong
 from engine.brdf.table import INDEX, MODELS
 
@@ -110,7 +111,7 @@ def test_hemispherical_albedo() -> None:
     assert hemispherical_albedo(*model_and_row(glass))[0, 0] == pytest.approx(expected, abs=1e-3)
 
 
-@pytest.mark.parametrize("model", [Phong, BlinnPhong, Ggx, CookTorrance])
+@pytest.mark.parametrize("model", [Phong, BlinnPhong, Ggx, CookTorrance, HalfAngleCurve])
 def test_density_is_the_mean_of_its_lobes(model: type[Phong]) -> None:
     """`sample` picks a lobe as often as `pdf` says."""
     both, base = model(), Diffuse(diffuse=(0.5, 0.5, 0.5))

@@ -7,8 +7,10 @@ import pytest
 from brdf.materials import hemisphere, model_and_row
 
 from engine import brdf
+from engine.brdf.as_curve import as_curve
 from engine.brdf.ashikhmin_shirley import AshikhminShirley
 from engine.brdf.base import Material
+from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.cook_torrance import CookTorrance
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.factored import Factored, constant, evaluate, joined, light_vector, view_vector
@@ -209,8 +211,9 @@ def test_non_negative(name: str) -> None:
         BRUSHED,
         Ggx(diffuse=(0.6, 0.2, 0.1), roughness=0.6),
         CookTorrance(diffuse=(0.6, 0.2, 0.1), roughness=0.6),
+        as_curve(BlinnPhong(diffuse=(0.6, 0.2, 0.1), exponent=10)),
     ],
-    ids=["phong", "skin", "ashikhmin-shirley", "ggx", "cook-torrance"],
+    ids=["phong", "skin", "ashikhmin-shirley", "ggx", "cook-torrance", "curve"],
 )
 def test_textures_scale_the_terms(material: Material) -> None:
     """Base and gloss apart, each scaled: the fit of the material with those colours."""

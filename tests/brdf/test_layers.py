@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from brdf.materials import LOBES, hemisphere, name_of
+from brdf.materials import BLACK, LOBES, hemisphere, name_of, spike
 from numba import njit
 
 from engine.brdf import hemispherical_albedo, table
@@ -13,7 +13,9 @@ from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.curve_basis import Basis, coefficients, weights_at
 from engine.brdf.equivalent_albedo import shares
 from engine.brdf.ggx import Ggx
-from engine.brdf.layers import LAYERS, angle_of, factors, place_of
+from engine.brdf.half_angle import angle_of, place_of
+from engine.brdf.half_angle_curve import NODES, HalfAngleCurve
+from engine.brdf.layers import LAYERS, factors
 from engine.brdf.published import PUBLISHED
 from engine.numerics.vec import vec
 
@@ -93,6 +95,30 @@ def test_one_hand_holds_all_colours_and_widths() -> None:
     assert not LAYERS[table.INDEX[Ggx]].covers(  # type: ignore[union-attr]
         Ggx(roughness=0.2).row(), Ggx(roughness=0.3).row()
     )
+
+
+def test_64_tents_hold_every_curve_exactly() -> None:
+    """Its nodes are nodes of the basis, and any curve is in hand with any other."""
+    held = HalfAngleCurve()
+    for seed in range(3):
+        curve = tuple(2 * np.random.default_rng(seed).random(NODES))
+        drawn = HalfAngleCurve(specular=(0.7, 0.2, 0.1), curve=curve)
+        assert off(*both(drawn, held, 64, "tents")) < 1e-6
+        layers = LAYERS[table.INDEX[HalfAngleCurve]]
+        assert layers is not None
+        assert layers.covers(held.row(), drawn.row())
+
+
+@pytest.mark.parametrize("node", range(NODES))
+def test_no_curve_makes_light_grow_from_bounce_to_bounce(node: int) -> None:
+    """The albedo of later bounces is linear in the curve: one node alone is the worst."""
+    model = table.INDEX[HalfAngleCurve]
+    layers = LAYERS[model]
+    assert layers is not None
+    for diffuse, f0 in ((BLACK, 1.0), ((1.0, 1.0, 1.0), 0.04), ((1.0, 1.0, 1.0), 0.5)):
+        row = spike(node, cover=2, diffuse=diffuse, specular=(f0,) * 3).row()
+        found = shares(model, row, 64, "tents").albedo(*coefficients(layers, row, 64, "tents"))
+        assert found.max() < 1.003
 
 
 @pytest.mark.parametrize("material", CUT, ids=name_of)

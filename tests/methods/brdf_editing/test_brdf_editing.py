@@ -103,6 +103,36 @@ def test_frames_are_what_the_reference_sees(make: Make, edits: Edits) -> None:
     assert off(smooth(found * kept), smooth(true.image * kept)) < 0.04
 
 
+# A curve as a hand draws it: a highlight, and a ring of facets that are 15 degrees steep.
+DRAWN = (90.0, 90.0, 85.0, 60.0, 25.0, 6.0, 1.5, 0.5, 4.0, 9.0, 4.0, 0.3, *[0.05] * 10)
+CURVED = {"type": "half_angle_curve", "diffuse": [0.1, 0.1, 0.2], "specular": [0.6, 0.5, 0.4]}
+
+
+def test_a_curve_under_the_hand(make: Make) -> None:
+    """Its points are dragged in one hand, to what the reference sees."""
+    made = corner()
+    product = make(made)
+    product.relight(edit(floor=CURVED))
+    hand = product._hand
+    edits = edit(floor={**CURVED, "curve": DRAWN})
+    found = product.relight(edits).image
+    assert product._hand is hand
+    true = render(apply(made, edits), samples=256, max_bounces=4)
+    kept = ~scene_edges(made)[..., None]
+    assert off(smooth(found * kept), smooth(true.image * kept)) < 0.04
+    flat = product.relight(edit(floor=CURVED)).image
+    assert off(smooth(flat * kept), smooth(true.image * kept)) > 0.08
+
+
+def test_a_curve_that_is_too_much_is_no_brighter_than_all_there_is(make: Make) -> None:
+    """White all about and white curves, every node ten times too high: no more light than comes."""
+    white = {"type": "half_angle_curve", "diffuse": [1, 1, 1], "specular": [1, 1, 1]}
+    every = {name: {**white, "curve": [10.0] * 22} for name in ("floor", "left", "back", "ball")}
+    made = corner(environment={"map": [1, 1, 1]}, lights=[])
+    found = make(made, bounces=8).relight(edit(**every)).image
+    assert smooth(found).max() < 1.02
+
+
 def test_under_an_environment(make: Make) -> None:
     made = corner(environment={"map": "studio"}, lights=[])
     edits = edit(ball={"specular": [0.7, 0.7, 0.7], "roughness": 0.3})
