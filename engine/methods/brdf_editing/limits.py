@@ -177,20 +177,16 @@ def _mirrored(
     count: int, of: NDArray[np.int32], surface: Surface, arriving: Arriving
 ) -> NDArray[np.float64]:
     """`Limits.mirrored`: what rays of lobes meet, at some of the pixels."""
-    out = np.zeros((count, count + 1))
     shown = np.flatnonzero(surface.model[: len(surface.edge)] >= 0)
     some = shown[:: max(1, -(-len(shown) // PIXELS))]
     first = min(arriving.patterns.cosines, arriving.sample.shape[1] - 1)
     sample = arriving.sample[some, first:].astype(np.int64)
     met = sample < len(of)
     sample = np.where(met, sample, 0)
-    light = arriving.powers[:, 0].mean(axis=1)
-    np.add.at(
-        out,
-        (surface.material[some][:, None], np.where(met, of[sample], count)),
-        light[sample] * met,
-    )
-    return out[:, :count]
+    pair = surface.material[some][:, None] * count + of[sample]
+    light = arriving.powers[:, 0].mean(axis=1)[sample]
+    found = np.bincount(pair[met], light[met], minlength=count * count)
+    return np.asarray(found, np.float64).reshape(count, count)
 
 
 def _seen_as_matt(mirrored: NDArray[np.float64], albedos: Albedos) -> Iterator[Diagnosis]:
@@ -221,10 +217,14 @@ def _truncated(sent: Sent, albedo: NDArray[np.float64], bounces: int) -> Iterato
         return
     due = BUDGET / (1 + BUDGET) * (1 + 1 / left)
     enough = bounces + math.ceil(math.log(due) / math.log(kept[worst]))
-    advice = f"set bounces to {enough}" if enough <= MOST_BOUNCES else "8 bounces leave less out"
+    advice = f"set bounces to {enough}."
+    if enough > MOST_BOUNCES:
+        gone = kept[worst] ** (MOST_BOUNCES - bounces)
+        still = gone / (1 / left + 1 - gone)
+        advice = f"with bounces at {MOST_BOUNCES}, the most there is, it is {100 * still:.0f} %."
     yield Diagnosis(
         "bounces_truncated",
-        f"Light that bounces more often than it was followed would add {100 * left:.0f} % or "
-        f"more to what there is: {advice}.",
+        f"Light that bounces more often than it was followed would add some "
+        f"{100 * left:.0f} % to what there is: {advice}",
         left,
     )

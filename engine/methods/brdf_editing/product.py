@@ -190,19 +190,22 @@ class Polynomial:
         for m, name in enumerate(scene.material_names):
             if (table.emission[m] != old.emission[m]).any():
                 raise EditNotSupported(
-                    f"{NAME} holds the light fixed, and so what {name!r} emits",
+                    f"{NAME} holds the light fixed, and so what {name!r} emits: change the "
+                    "emission in the scene, or edit its lights with direct_to_indirect",
                     field=f"materials.{name}.emission",
                 )
             changed = table.model[m] != old.model[m] or (table.row[m] != old.row[m]).any()
             if changed and LAYERS[table.model[m]] is None:
                 raise EditNotSupported(
                     f"{NAME} cannot edit materials of this type: it can those of types diffuse, "
-                    "phong, blinn_phong, cook_torrance, ggx and ashikhmin_shirley",
+                    "phong, blinn_phong, cook_torrance, ggx and ashikhmin_shirley; change others in "
+                    "the scene",
                     field=f"materials.{name}",
                 )
             if table.row[m, GRAIN:].any() and not old.row[m, GRAIN:].any():
                 raise EditNotSupported(
-                    f"the grain of {name!r} is not known: give it this type in the scene",
+                    f"which way {name!r} is brushed is not known: give it the type "
+                    "ashikhmin_shirley in the scene, or take blinn_phong or ggx here",
                     field=f"materials.{name}.type",
                 )
 
