@@ -197,8 +197,8 @@ def _seen_as_matt(mirrored: NDArray[np.float64], albedos: Albedos) -> Iterator[D
     if share > BUDGET:
         yield Diagnosis(
             "gloss_seen_as_matt",
-            f"{100 * share:.0f} % of what glossy surfaces mirror is the gloss of others: what they "
-            "reflect looks matt in them.",
+            f"{100 * share:.0f} % of what glossy surfaces mirror is the gloss of others, which "
+            "looks matt in them: up to that much is off, the more the sharper both are.",
             share,
         )
 

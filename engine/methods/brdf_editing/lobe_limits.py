@@ -52,7 +52,7 @@ def lobe_of(layers: Layers, row: NDArray[np.float32], settings: Settings) -> Lob
     first = int(low[0]) if len(low) else PLACES - 1
     # The rays' own number per sr, and what the lobe makes of each.
     half, turned = (0.5 * gamma, gamma) if layers.mirrored else (gamma, 2 * gamma)
-    solid = 4 * u**3 * (1 if layers.mirrored else 4 * np.cos(half))
+    solid = 8 * np.pi * u**3 * (1 if layers.mirrored else 4 * np.cos(half))
     cosine, n = np.maximum(0, np.cos(turned)), settings.lobe_exponent
     lobe = (n + 1) / (2 * np.pi) * np.cos(half) ** n / (4 * np.cos(half))
     rays = settings.cosine_count * cosine / np.pi

@@ -198,8 +198,8 @@ class Polynomial:
             if changed and LAYERS[table.model[m]] is None:
                 raise EditNotSupported(
                     f"{NAME} cannot edit materials of this type: it can those of types diffuse, "
-                    "phong, blinn_phong, cook_torrance, ggx and ashikhmin_shirley; change others in "
-                    "the scene",
+                    "phong, blinn_phong, cook_torrance, ggx and ashikhmin_shirley; change others "
+                    "in the scene",
                     field=f"materials.{name}",
                 )
             if table.row[m, GRAIN:].any() and not old.row[m, GRAIN:].any():
