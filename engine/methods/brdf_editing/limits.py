@@ -19,6 +19,7 @@ from engine.methods.brdf_editing.albedos import Albedos, albedo_of
 from engine.methods.brdf_editing.arriving import Arriving, Surface
 from engine.methods.brdf_editing.lobe_limits import (
     LATTICE,
+    Lobe,
     bands_for,
     basis_error,
     half_for,
@@ -34,7 +35,7 @@ BUDGET = 0.05  # relative error below which nothing is said
 ABOVE = 0.005  # of an albedo: what its quadrature may be off
 PIXELS = 2048  # that tell what gloss mirrors
 MOST_KEPT = 0.99  # a room that keeps more than this of its light per bounce is not believed
-MOST_BOUNCES, MOST_RAYS = 8, 4096  # of the settings
+MOST_BOUNCES, MOST_RAYS, MOST_EXPONENT = 8, 4096, 100_000  # of the settings
 CHANNELS = "red", "green", "blue"
 
 
@@ -140,15 +141,12 @@ def _of_material(
     share = float(albedo[1].sum() / max(1e-9, whole.sum()))
     noise = min(1.0, share * LATTICE / max(lobe.rays, 1e-9))
     if noise > BUDGET:
-        rays = settings.view_rays * share * LATTICE / lobe.rays / BUDGET
-        exponent = min(1e5, math.log(2) / lobe.half**2)
         yield Diagnosis(
             "lobe_between_rays",
             f"{'Fewer than one' if lobe.rays < 1 else f'Some {lobe.rays:.0f}'} of the "
             f"{settings.view_rays} rays of a pixel fall into the lobe of {name!r}, so what it "
-            f"mirrors is noisy by {100 * noise:.0f} % or more, and black where no ray falls: set "
-            + (f"view_rays to {math.ceil(rays)}, or " if rays <= MOST_RAYS else "")
-            + f"lobe_exponent to {exponent:.2g}.".replace("e+0", "e"),
+            f"mirrors is noisy by {100 * noise:.0f} % or more, and black where no ray falls: "
+            + _more_rays(settings, lobe, share * LATTICE / lobe.rays / BUDGET),
             noise,
         )
     dots = share * points_error(lobe.half, apart)
@@ -162,6 +160,18 @@ def _of_material(
             "mends it; the reference has whole lamps.",
             dots,
         )
+
+
+def _more_rays(settings: Settings, lobe: Lobe, short: float) -> str:
+    """What to do where so many times the rays are needed."""
+    rays, advice = math.ceil(short * settings.view_rays), []
+    if rays <= MOST_RAYS:
+        advice.append(f"view_rays to {rays}")
+    # A quarter of a cosine lobe's own exponent: half as wide again as the lobe, for its tails.
+    exponent = round(math.log(2) / (4 * lobe.half**2))
+    if settings.lobe_exponent < exponent <= MOST_EXPONENT:
+        advice.append(f"lobe_exponent to {exponent}")
+    return f"set {' or '.join(advice)}." if advice else "the reference resolves it."
 
 
 def _textures(name: str) -> Diagnosis:
