@@ -71,7 +71,8 @@ class CloudLight:
         before = np.zeros((bounces + 1, 3))
         before[0] = self._sent(first) / -np.pi
         for bounce in range(bounces):
-            before = self._sent(powers)
+            if bounce == bounces - 1:
+                before = self._sent(powers)
             onto = np.zeros_like(powers)
             onto[0] = first
             for n in range(bounce + 1):
@@ -86,5 +87,4 @@ class CloudLight:
 
     def _sent(self, radiance: Light) -> NDArray[np.float64]:
         """(..., 3): radiance (..., n_g, 3) times the area of samples, summed up."""
-        area = self._cloud.area.astype(np.float64)
-        return np.einsum("s,...sc->...c", area, radiance)
+        return np.asarray(self._cloud.area @ radiance, np.float64)
