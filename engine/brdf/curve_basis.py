@@ -62,4 +62,4 @@ def coefficients(
     """(colours (constants, 3), curves (curves, count, 3)) of a material's row."""
     angles, fit = _fit(count, basis)
     lobes = layers.lobes(row, angles)
-    return layers.colours(row), np.einsum("jn,lnc->ljc", fit, lobes)
+    return layers.colours(row), fit @ lobes

@@ -13,6 +13,8 @@ R brings in one bounce, G R.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,6 +25,19 @@ from engine.methods.fixed_view.tiles import run_tiles
 from engine.numerics import haar
 
 Light = NDArray[np.float32]
+
+
+class Sent(NamedTuple):
+    """What the cloud sends in all: radiance times area, by powers of the albedo x in hand.
+
+    total  (bounces + 1, 3)   after the last bounce
+    last   (bounces + 1, 3)   of it what that bounce brought; before the first, the light that fell
+    kept   (2, 3)             what a bounce keeps of light, p + q x
+    """
+
+    total: NDArray[np.float64]
+    last: NDArray[np.float64]
+    kept: NDArray[np.float64]
 
 
 class CloudLight:
@@ -46,14 +61,18 @@ class CloudLight:
     def _arriving(self, wavelets: Light) -> Light:
         return multiply(*self._rows, wavelets, self._runs, len(wavelets))
 
-    def powers(self, first: Light, fixed: Light, edited: Light, bounces: int) -> Light:
+    def powers(self, first: Light, fixed: Light, edited: Light, bounces: int) -> tuple[Light, Sent]:
         """(n_g, bounces + 1, 3): the radiance of samples by powers of the albedo x in hand.
 
         first (n_g, 3) is I, the albedo `fixed` + x · `edited`, (n_g, 3) each.
         """
         powers = np.zeros((bounces + 1, len(first), 3), np.float32)
         powers[0] = self._cloud.emission
+        before = np.zeros((bounces + 1, 3))
+        before[0] = self._sent(first) / -np.pi
         for bounce in range(bounces):
+            if bounce == bounces - 1:
+                before = self._sent(powers)
             onto = np.zeros_like(powers)
             onto[0] = first
             for n in range(bounce + 1):
@@ -62,4 +81,10 @@ class CloudLight:
             powers[:] = onto * (fixed / np.float32(np.pi))
             powers[1:] += onto[:-1] * (edited / np.float32(np.pi))
             powers[0] += self._cloud.emission
-        return np.ascontiguousarray(powers.swapaxes(0, 1))
+        total, closed = self._sent(powers), self._closed / (np.pi * self._cloud.area.sum())
+        kept = np.stack([closed @ fixed, closed @ edited])
+        return np.ascontiguousarray(powers.swapaxes(0, 1)), Sent(total, total - before, kept)
+
+    def _sent(self, radiance: Light) -> NDArray[np.float64]:
+        """(..., 3): radiance (..., n_g, 3) times the area of samples, summed up."""
+        return np.asarray(self._cloud.area @ radiance, np.float64)

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.backend.choice import Backend
-from engine.brdf import hemispherical_albedo
 from engine.brdf.base import GRAIN
 from engine.brdf.curve_basis import coefficients
 from engine.brdf.equivalent_albedo import shares
@@ -17,10 +16,12 @@ from engine.brdf.layers import LAYERS
 from engine.errors import EditNotSupported
 from engine.light.base import Light
 from engine.methods.base import Frame, MaterialFit, require_supported
+from engine.methods.brdf_editing.albedos import albedos_of
 from engine.methods.brdf_editing.arriving import Arriving
 from engine.methods.brdf_editing.evaluate import evaluate
 from engine.methods.brdf_editing.fold import Folded, Slots, fold
 from engine.methods.brdf_editing.light_seen import shining
+from engine.methods.brdf_editing.limits import Limits, limits_of, warnings
 from engine.methods.brdf_editing.patterns import patterns
 from engine.methods.brdf_editing.places import Places
 from engine.methods.brdf_editing.polynomial import CloudLight
@@ -65,6 +66,7 @@ class Hand:
     pixels    (m,) int32   that show it
     folded    F of those
     others    (n, deg + 1, 3) float32   V of all pixels
+    limits    what is left out
     """
 
     material: int
@@ -72,6 +74,7 @@ class Hand:
     pixels: NDArray[np.int32]
     folded: Folded
     others: NDArray[np.float32]
+    limits: Limits
 
 
 class Polynomial:
@@ -135,8 +138,10 @@ class Polynomial:
             image = self._evaluate(hand, table, scale)
         with clock("sources"):
             self.view.add_sources(image, scene.lights, scale, scene.environment)
+        with clock("limits"):
+            said = warnings(hand.limits, hand.material, table, self._settings)
         height, width = self.view.shape(scale)
-        return Frame(image.reshape(height, width, 3), clock.timings(), ())
+        return Frame(image.reshape(height, width, 3), clock.timings(), said)
 
     def _evaluate(self, hand: Hand, table: MaterialTable, scale: int) -> NDArray[np.float32]:
         s, m = self._settings, hand.material
@@ -185,7 +190,8 @@ class Polynomial:
         for m, name in enumerate(scene.material_names):
             if (table.emission[m] != old.emission[m]).any():
                 raise EditNotSupported(
-                    f"{NAME} holds the light fixed, and so what {name!r} emits",
+                    f"{NAME} holds the light fixed, and so what {name!r} emits: change the "
+                    "emission in the scene, or edit its lights with direct_to_indirect",
                     field=f"materials.{name}.emission",
                 )
             changed = table.model[m] != old.model[m] or (table.row[m] != old.row[m]).any()
@@ -193,18 +199,19 @@ class Polynomial:
                 raise EditNotSupported(
                     f"{NAME} cannot edit materials of this type: it can those of types diffuse, "
                     "phong, blinn_phong, cook_torrance, ggx, ashikhmin_shirley and "
-                    "half_angle_curve",
+                    "half_angle_curve; change others in the scene",
                     field=f"materials.{name}",
                 )
             if table.row[m, GRAIN:].any() and not old.row[m, GRAIN:].any():
                 raise EditNotSupported(
-                    f"the grain of {name!r} is not known: give it this type in the scene",
+                    f"which way {name!r} is brushed is not known: give it the type "
+                    "ashikhmin_shirley in the scene, or take blinn_phong or ggx here",
                     field=f"materials.{name}.type",
                 )
 
     def _freeze(self, material: int, table: MaterialTable) -> Hand:
         s = self._settings
-        matt, gloss = self._albedos(table)
+        matt, gloss = albedos = albedos_of(table, s)
         of = self.cloud.points.material
         albedo = (self._texture * matt[of] + gloss[of]).astype(np.float32)
         mine = of == material
@@ -213,7 +220,7 @@ class Polynomial:
         share = np.where(whole > 0, albedo / np.maximum(whole, 1e-6), 1).astype(np.float32)
         edited = np.where(mine[:, None], share, 0).astype(np.float32)
         fixed = np.where(mine[:, None], 0, albedo).astype(np.float32)
-        powers = self._within.powers(self._first, fixed, edited, s.bounces)
+        powers, sent = self._within.powers(self._first, fixed, edited, s.bounces)
         if material < 0:
             powers = np.ascontiguousarray(powers[:, :1])
         arriving = self._arriving._replace(powers=powers)
@@ -225,27 +232,17 @@ class Polynomial:
             slots = slots._replace(constants=layers.constants, curves=layers.curves)
             pixels = self._points.showing(material)
         folded = fold(surface, arriving, pixels, material, slots)
-        return Hand(material, table, pixels, folded, reflect(surface, arriving, material))
-
-    def _albedos(self, table: MaterialTable) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """(m, 3) each: equivalent albedos of the constants, and of the curves."""
-        s = self._settings
-        matt, gloss = np.zeros((2, len(table.model), 3))
-        for m, model in enumerate(table.model):
-            layers = LAYERS[model]
-            if layers is None:
-                gloss[m] = hemispherical_albedo(int(model), table.row[m])[0]
-                continue
-            colours, lobes = coefficients(layers, table.row[m], s.bands, s.basis)
-            known = shares(int(model), table.row[m], s.bands, s.basis)
-            matt[m] = known.albedo(colours, 0 * lobes)
-            gloss[m] = known.albedo(0 * colours, lobes)
-        return matt, gloss
+        limits = limits_of(
+            self.view.scene.material_names, table, material, s, albedos, of, surface,
+            arriving, sent,
+        )  # fmt: skip
+        others = reflect(surface, arriving, material)
+        return Hand(material, table, pixels, folded, others, limits)
 
     def _cloud_texture(self) -> NDArray[np.float32]:
         """(n_g, 3): what textures make of the diffuse part of gather samples' albedos."""
         table, of = self.view.scene.material_table, self.cloud.points.material
-        matt, gloss = self._albedos(table)
+        matt, gloss = albedos_of(table, self._settings)
         found = (self.cloud.albedo - gloss[of]) / np.maximum(matt[of], 1e-6)
         textured = (table.maps[of, 0] >= 0)[:, None] & (matt[of] > 1e-3)
         return np.where(textured, np.maximum(found, 0), 1).astype(np.float32)

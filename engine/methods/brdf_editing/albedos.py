@@ -1,0 +1,38 @@
+"""Equivalent albedos of a scene's materials, matt and glossy part by itself."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.brdf import hemispherical_albedo
+from engine.brdf.curve_basis import coefficients
+from engine.brdf.equivalent_albedo import shares
+from engine.brdf.layers import LAYERS
+from engine.methods.brdf_editing.settings import Settings
+from engine.scene.scene import MaterialTable
+
+Albedos = NDArray[np.float64]
+"""(2, m, 3): of the constants, and of the curves, of all materials."""
+
+
+def albedos_of(table: MaterialTable, settings: Settings) -> Albedos:
+    """Those of all materials; what is not cut counts as glossy."""
+    out = np.zeros((2, len(table.model), 3))
+    for m, model in enumerate(table.model):
+        if LAYERS[model] is None:
+            out[1, m] = hemispherical_albedo(int(model), table.row[m])[0]
+        else:
+            out[:, m] = albedo_of(int(model), table.row[m], table.row[m], settings)
+    return out
+
+
+def albedo_of(
+    model: int, row: NDArray[np.float32], taken: NDArray[np.float32], settings: Settings
+) -> NDArray[np.float64]:
+    """(2, 3): those of a row whose quotients are `taken` from another."""
+    layers = LAYERS[model]
+    assert layers is not None
+    colours, lobes = coefficients(layers, row, settings.bands, settings.basis)
+    known = shares(model, taken, settings.bands, settings.basis)
+    return np.stack([known.albedo(colours, 0 * lobes), known.albedo(0 * colours, lobes)])
