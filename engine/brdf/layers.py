@@ -31,7 +31,8 @@ from engine.brdf.base import DIFFUSE, EXTRA, ROUGHNESS, SPECULAR, half, to_grain
 from engine.brdf.fresnel import f90, rise
 from engine.brdf.table import MODELS
 from engine.numerics.dispatch import by_index
-from engine.numerics.vec import dot
+from engine.numerics.frames import tangents, to_world
+from engine.numerics.vec import dot, reflect
 
 CONSTANTS, CURVES = 3, 2  # at most, of any model
 LEAST = 1e-3  # n_u where it is less, so that it has a ratio
@@ -78,6 +79,22 @@ def angle_of(u: NDArray[np.float64]) -> NDArray[np.float64]:
 def place_of(cosine):
     """The inverse of `angle_of`, of cos γ."""
     return math.sqrt(math.sqrt(max(0.0, 1.0 - cosine)))
+
+
+@njit
+def direction_at(cosine, azimuth, wo, mirrored):
+    """(wi, dω / (sin γ dγ dφ)): the direction at an angle γ of which the cosine is given.
+
+    0 for directions that no half vector makes; those below the surface are for the caller.
+    """
+    up = (-wo[0], -wo[1], wo[2]) if mirrored else (0.0, 0.0, 1.0)
+    a, b = tangents(up)
+    r = math.sqrt(max(0.0, 1.0 - cosine * cosine))
+    d = to_world((r * math.cos(azimuth), r * math.sin(azimuth), cosine), a, b, up)
+    if mirrored:
+        return d, 1.0
+    jacobian = 4.0 * dot(wo, d)
+    return reflect(wo, d), max(0.0, jacobian)
 
 
 @njit

@@ -13,6 +13,14 @@ from engine.light.environment_samples import DEPTH
 from engine.methods.brdf_editing.light_seen import Shining
 from engine.methods.brdf_editing.links import BEYOND
 from engine.methods.brdf_editing.patterns import Patterns, pattern_of
+from engine.methods.brdf_editing.second import (
+    FROZEN,
+    HAND,
+    MATT,
+    Second,
+    add_sent_in_hand,
+    sent_by_frozen,
+)
 from engine.numerics.frames import tangents, to_world
 from engine.numerics.octahedron import cell as cell_of
 from engine.numerics.vec import dot, vec
@@ -26,6 +34,7 @@ class Arriving(NamedTuple):
     patterns, width   which rays a pixel has
     sample            (n, N) uint16 what they meet
     powers            (n_g, deg + 1, 3) float32
+    second            what samples with gloss send
     beyond            (4^DEPTH, 3) float32 radiance of the environment; (0, 3) for none
     lights            those that shine
     seen              (n + 4 m, l) uint64 which of their points are seen
@@ -36,6 +45,7 @@ class Arriving(NamedTuple):
     width: int
     sample: NDArray[np.uint16]
     powers: NDArray[np.float32]
+    second: Second
     beyond: NDArray[np.float32]
     lights: Shining
     seen: NDArray[np.uint64]
@@ -74,41 +84,61 @@ def part_of(surface, i, part):
     return surface.edge.shape[0] + 4 * e + part, surface.donor[4 * e + part]
 
 
-@njit(inline="always")
-def came_along(powers, beyond, sample, d, none):
-    """Radiance along a ray, (deg + 1, 3): of the cloud, or of the environment."""
-    if sample != BEYOND:
-        return powers[sample]
-    none[0] = 0.0
-    if beyond.shape[0] > 0:
-        none[0] = beyond[cell_of(d, DEPTH)]
-    return none
+@njit
+def came_along(arriving, sample, d, k, room):
+    """Radiance along ray k of direction d, (deg + 1, 3), written into `room` where it is not kept.
+
+    Of the cloud, or of the environment.
+    """
+    if sample == BEYOND:
+        room[:] = 0.0
+        if arriving.beyond.shape[0] > 0:
+            room[0] = arriving.beyond[cell_of(d, DEPTH)]
+        return room
+    if arriving.second.kind[sample] == FROZEN:
+        sent_by_frozen(arriving.second, sample, d, k, room)
+        return room
+    return arriving.powers[sample]
+
+
+@njit
+def came_apart(arriving, sample, d, k, weight, room, behind):
+    """The same for a pixel of a material that is not in hand.
+
+    What coefficients in hand send goes to behind (deg + 1, slots, 3), times three weights, and only
+    the rest is returned.
+    """
+    if behind.shape[1] == 0 or sample == BEYOND or arriving.second.kind[sample] != HAND:
+        return came_along(arriving, sample, d, k, room)
+    add_sent_in_hand(arriving.second, sample, d, k, weight, behind)
+    room[:] = 0.0
+    room[0] = arriving.second.glow[arriving.second.place[sample]]
+    return room
 
 
 @njit(fastmath={"contract", "reassoc"})
-def gather_even(surface, arriving, at, link, part, parts, none, total):
+def gather_even(surface, arriving, at, link, part, parts, colour, room, behind, total):
     """Fill total (deg + 1, 3) with the irradiance of a part, over π times the number of parts.
 
     The rays that follow the cosine count alike, so that no direction need be known but of those
-    that leave the scene.
+    that leave the scene, or meet gloss. colour and behind as in `came_apart`.
     """
     cosines, sample, powers = arriving.patterns.cosines, arriving.sample[link], arriving.powers
     share = np.float32(1.0 / cosines)
+    weight = (share * colour[0], share * colour[1], share * colour[2])
     total[:] = 0.0
     z, g = vec(surface.normal, at), vec(surface.geometric, at)
     s, t = tangents(z)
+    pattern = pattern_of(link, arriving.width)
     for k in range(part, cosines, parts):
-        if sample[k] == BEYOND:
-            if arriving.beyond.shape[0] == 0:
-                continue
-            w = vec(arriving.patterns.local[pattern_of(link, arriving.width)], k)
-            d = to_world(w, s, t, z)
-            if dot(d, g) <= 0.0:
-                continue
-            none[0] = arriving.beyond[cell_of(d, DEPTH)]
-            came = none
+        y = sample[k]
+        if y != BEYOND and arriving.second.kind[y] == MATT:
+            came = powers[y]
         else:
-            came = powers[sample[k]]
+            d = to_world(vec(arriving.patterns.local[pattern], k), s, t, z)
+            if dot(d, g) <= 0.0 or (y == BEYOND and arriving.beyond.shape[0] == 0):
+                continue
+            came = came_apart(arriving, y, d, k, weight, room, behind)
         for n in range(total.shape[0]):
             for c in range(3):
                 total[n, c] += share * came[n, c]

@@ -35,6 +35,7 @@ from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import vec
 
 STEPS = 32767
+BLACK = 0.0, 0.0, 0.0
 
 
 class Folded(NamedTuple):
@@ -79,7 +80,8 @@ def fold(
 def _fold(begin, end, surface, arriving, pixels, hand, slots, steps, unit):
     surface, arriving = borrow(surface), borrow(arriving)
     total = np.zeros((steps.shape[1], steps.shape[3], 3), np.float32)
-    none = np.zeros((steps.shape[1], 3), np.float32)
+    room = np.zeros((steps.shape[1], 3), np.float32)
+    nothing = np.zeros((steps.shape[1], 0, 3), np.float32)
     even = np.zeros((steps.shape[1], 3), np.float32)
     for q in range(begin, end):
         total[:] = 0.0
@@ -89,28 +91,39 @@ def _fold(begin, end, surface, arriving, pixels, hand, slots, steps, unit):
             at, link = part_of(surface, i, part)
             if surface.material[at] == hand:
                 if slots.curves == 0 and arriving.patterns.cosines > 0:
-                    gather_even(surface, arriving, at, link, part, parts, none, even)
+                    gather_even(
+                        surface,
+                        arriving,
+                        at,
+                        link,
+                        part,
+                        parts,
+                        (0.0, 0.0, 0.0),
+                        room,
+                        nothing,
+                        even,
+                    )
                     for c in range(3):
                         total[:, 0, c] += surface.texture[at, c] * even[:, c]
                 else:
-                    _fold_rays(surface, arriving, at, link, part, parts, slots, none, total)
+                    _fold_rays(surface, arriving, at, link, part, parts, slots, room, total)
                     _fold_lights(surface, arriving, at, parts, slots, total)
-        _to_steps(total, steps[q], unit[q])
+        to_steps(total, steps[q], unit[q])
 
 
 @njit(fastmath={"contract", "reassoc"})
-def _fold_rays(surface, arriving, at, link, part, parts, slots, none, total):
+def _fold_rays(surface, arriving, at, link, part, parts, slots, room, total):
     p, model = surface.row[at], surface.model[at]
     z, g = vec(surface.normal, at), vec(surface.geometric, at)
     s, t = tangents(z)
     wo, texture = to_local(vec(surface.eye, at), s, t, z), vec(surface.texture, at)
     pattern, patterns = pattern_of(link, arriving.width), arriving.patterns
-    sample, powers, beyond = arriving.sample[link], arriving.powers, arriving.beyond
+    sample = arriving.sample[link]
     for k in range(part, sample.shape[0], parts):
         wi, d = ray_of(patterns, pattern, k, wo, (s, t, z), g)
         if wi[2] <= 0.0:
             continue
-        came = came_along(powers, beyond, sample[k], d, none)
+        came = came_along(arriving, sample[k], d, k, room)
         f = factors(model, p, wi, wo)
         weight = weight_of(patterns, wi, wo)
         for n in range(total.shape[0]):
@@ -155,7 +168,8 @@ def _add(total, f, weight, light, texture, slots):
 
 
 @njit
-def _to_steps(total, steps, unit):
+def to_steps(total, steps, unit):
+    """Write down a total (deg + 1, slots, 3) as `Folded` has it."""
     for n in range(total.shape[0]):
         most = np.float32(0)
         for slot in range(total.shape[1]):

@@ -13,6 +13,8 @@ R brings in one bounce, G R.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,6 +25,19 @@ from engine.methods.fixed_view.tiles import run_tiles
 from engine.numerics import haar
 
 Light = NDArray[np.float32]
+
+
+class Later(NamedTuple):
+    """Light on the cloud by powers of the albedo in hand, (n_g, bounces + 1, 3) each.
+
+    radiance    of samples, after all bounces
+    incoming    radiance of samples, after one bounce less
+    irradiance  over π, that it makes of `incoming` and the lights
+    """
+
+    radiance: Light
+    incoming: Light
+    irradiance: Light
 
 
 class CloudLight:
@@ -46,20 +61,21 @@ class CloudLight:
     def _arriving(self, wavelets: Light) -> Light:
         return multiply(*self._rows, wavelets, self._runs, len(wavelets))
 
-    def powers(self, first: Light, fixed: Light, edited: Light, bounces: int) -> Light:
-        """(n_g, bounces + 1, 3): the radiance of samples by powers of the albedo x in hand.
+    def powers(self, first: Light, fixed: Light, edited: Light, bounces: int) -> Later:
+        """Light by powers of the albedo x in hand.
 
         first (n_g, 3) is I, the albedo `fixed` + x · `edited`, (n_g, 3) each.
         """
-        powers = np.zeros((bounces + 1, len(first), 3), np.float32)
+        powers, onto, before = np.zeros((3, bounces + 1, len(first), 3), np.float32)
         powers[0] = self._cloud.emission
         for bounce in range(bounces):
-            onto = np.zeros_like(powers)
+            before, onto = powers.copy(), np.zeros_like(powers)
             onto[0] = first
             for n in range(bounce + 1):
                 if bounce or powers[n].any():
                     onto[n] += self.arriving(powers[n])
-            powers[:] = onto * (fixed / np.float32(np.pi))
-            powers[1:] += onto[:-1] * (edited / np.float32(np.pi))
+            onto /= np.float32(np.pi)
+            powers[:] = onto * fixed
+            powers[1:] += onto[:-1] * edited
             powers[0] += self._cloud.emission
-        return np.ascontiguousarray(powers.swapaxes(0, 1))
+        return Later(*(np.ascontiguousarray(a.swapaxes(0, 1)) for a in (powers, before, onto)))

@@ -23,8 +23,14 @@ from engine.methods.brdf_editing.fold import Folded, Slots, fold
 from engine.methods.brdf_editing.light_seen import shining
 from engine.methods.brdf_editing.patterns import patterns
 from engine.methods.brdf_editing.places import Places
-from engine.methods.brdf_editing.polynomial import CloudLight
+from engine.methods.brdf_editing.polynomial import CloudLight, Later
 from engine.methods.brdf_editing.reflect import direct_of, reflect
+from engine.methods.brdf_editing.second_tables import (
+    Incoming,
+    SecondRays,
+    no_second,
+    second_bounce,
+)
 from engine.methods.brdf_editing.settings import Settings
 from engine.methods.clock import Clock
 from engine.methods.fixed_view.cloud import GatherCloud
@@ -47,6 +53,7 @@ class Transport(NamedTuple):
     seen         (n + 4 m, l) uint64, see `light_seen`
     lights       that shine: the scene's, and suns of its environment
     environment  what it sends to a cloud of albedo 1
+    second       what the rays of gather samples meet, where the second bounce has gloss
     """
 
     bounce: PackedRows
@@ -54,6 +61,7 @@ class Transport(NamedTuple):
     seen: NDArray[np.uint64]
     lights: tuple[Light, ...]
     environment: EnvironmentLight
+    second: SecondRays | None
 
 
 @dataclass(frozen=True)
@@ -65,6 +73,7 @@ class Hand:
     pixels    (m,) int32   that show it
     folded    F of those
     others    (n, deg + 1, 3) float32   V of all pixels
+    behind    F of its second bounce, of all pixels or none
     """
 
     material: int
@@ -72,6 +81,7 @@ class Hand:
     pixels: NDArray[np.int32]
     folded: Folded
     others: NDArray[np.float32]
+    behind: Folded
 
 
 class Polynomial:
@@ -91,7 +101,8 @@ class Polynomial:
         direct = direct_of(self._points.surface(scene.material_table), lights, transport.seen)
         self._arriving = Arriving(
             patterns(settings), scene.camera.width, transport.sample,
-            np.zeros((0, 1, 3), np.float32), beyond, lights, transport.seen, direct,
+            np.zeros((0, 1, 3), np.float32), no_second(cloud, lights), beyond, lights,
+            transport.seen, direct,
         )  # fmt: skip
         self._texture = self._cloud_texture()
         self._hand: Hand | None = None
@@ -110,13 +121,16 @@ class Polynomial:
     def bytes(self) -> int:
         """Bytes of the transport."""
         t = self.transport
-        return int(t.sample.nbytes + t.seen.nbytes + sum(a.nbytes for a in t.bounce))
+        arrays = (t.sample, t.seen, *t.bounce, *(t.second or ()))
+        return int(sum(a.nbytes for a in arrays))
 
     @property
     def bytes_in_hand(self) -> int:
         """Bytes that a frame reads: F and V of the material in hand."""
         hand = self._hand
-        return sum(a.nbytes for a in (*hand.folded, hand.others)) if hand is not None else 0
+        if hand is None:
+            return 0
+        return sum(a.nbytes for a in (*hand.folded, *hand.behind, hand.others))
 
     @property
     def fits(self) -> tuple[MaterialFit, ...]:
@@ -141,17 +155,17 @@ class Polynomial:
     def _evaluate(self, hand: Hand, table: MaterialTable, scale: int) -> NDArray[np.float32]:
         s, m = self._settings, hand.material
         colours, lobes = np.zeros((0, 3)), np.zeros((0, 1, 3))
-        albedo = np.zeros(3)
+        albedo, second = np.zeros(3), np.zeros((3, 0), np.float32)
         if m >= 0:
             layers = LAYERS[table.model[m]]
             assert layers is not None
             colours, lobes = coefficients(layers, table.row[m], s.bands, s.basis)
             known = shares(int(table.model[m]), hand.table.row[m], s.bands, s.basis)
             albedo = known.albedo(colours, lobes)
-        every = np.concatenate([colours, lobes.reshape(-1, 3)]).T
+            second = _row_by_row(*coefficients(layers, table.row[m], s.second_bands, s.basis))
         image = evaluate(
-            hand.others, hand.pixels, hand.folded, albedo.astype(np.float32),
-            np.ascontiguousarray(every, np.float32),
+            hand.others, hand.pixels, hand.folded, hand.behind, albedo.astype(np.float32),
+            _row_by_row(colours, lobes), second,
         )  # fmt: skip
         return np.ascontiguousarray(self.view.every(image, scale))
 
@@ -212,10 +226,19 @@ class Polynomial:
         share = np.where(whole > 0, albedo / np.maximum(whole, 1e-6), 1).astype(np.float32)
         edited = np.where(mine[:, None], share, 0).astype(np.float32)
         fixed = np.where(mine[:, None], 0, albedo).astype(np.float32)
-        powers = self._within.powers(self._first, fixed, edited, s.bounces)
+        later = self._within.powers(self._first, fixed, edited, s.bounces)
         if material < 0:
-            powers = np.ascontiguousarray(powers[:, :1])
-        arriving = self._arriving._replace(powers=powers)
+            later = Later(*(np.ascontiguousarray(a[:, :1]) for a in later))
+        second = self._arriving.second
+        if self.transport.second is not None and s.bounces:
+            came = Incoming(
+                later, (self._texture * matt[of]).astype(np.float32), self._texture,
+                self._arriving.beyond,
+            )  # fmt: skip
+            second = second_bounce(
+                self.cloud, self.transport.second, table, material, came, self._arriving.lights, s
+            )
+        arriving = self._arriving._replace(powers=later.radiance, second=second)
         surface = self._points.surface(table)
         slots, pixels = Slots(0, 0, s.bands, s.basis == "tents"), np.zeros(0, np.int32)
         if material >= 0:
@@ -224,7 +247,7 @@ class Polynomial:
             slots = slots._replace(constants=layers.constants, curves=layers.curves)
             pixels = self._points.showing(material)
         folded = fold(surface, arriving, pixels, material, slots)
-        return Hand(material, table, pixels, folded, reflect(surface, arriving, material))
+        return Hand(material, table, pixels, folded, *reflect(surface, arriving, material))
 
     def _albedos(self, table: MaterialTable) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(m, 3) each: equivalent albedos of the constants, and of the curves."""
@@ -262,6 +285,11 @@ class Polynomial:
             if light.enabled:
                 first += light_on_points(scene.rays, white, light)
         return first * np.float32(np.pi)
+
+
+def _row_by_row(colours: NDArray[np.float64], lobes: NDArray[np.float64]) -> NDArray[np.float32]:
+    """(3, slots): coefficients as F has them."""
+    return np.ascontiguousarray(np.concatenate([colours, lobes.reshape(-1, 3)]).T, np.float32)
 
 
 def _holds(hand: Hand, table: MaterialTable, changed: NDArray[np.intp]) -> bool:
