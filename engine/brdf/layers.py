@@ -55,6 +55,7 @@ class Layers:
     lobes              (row, θ (n,)) -> (curves, n, 3), the f_l at angles γ
     held               row -> what of it the quotients keep
     mirrored           whether γ is the angle to the mirrored view
+    even               whether the first quotient is that of a matt surface, 1/π
     """
 
     constants: int
@@ -64,6 +65,7 @@ class Layers:
     lobes: Curves
     held: Callable[[NDArray[np.float32]], float] = _nothing
     mirrored: bool = False
+    even: bool = True
 
     def covers(self, p: NDArray[np.float32], row: NDArray[np.float32]) -> bool:
         """Whether quotients that were taken from p serve another row of the same model."""
@@ -234,7 +236,9 @@ _LAYERS: dict[ModuleType, Layers] = {
     # Smith's G knows the roughness.
     ggx: Layers(3, 2, _ggx, _coupled_colours, _ggx_lobe, lambda row: float(row[ROUGHNESS])),
     cook_torrance: Layers(3, 2, _cook_torrance, _coupled_colours, _beckmann_lobe),
-    ashikhmin_shirley: Layers(1, 2, _ashikhmin_shirley, _brushed_colours, _brushed_lobe, _ratio),
+    ashikhmin_shirley: Layers(
+        1, 2, _ashikhmin_shirley, _brushed_colours, _brushed_lobe, _ratio, even=False
+    ),
 }
 
 LAYERS: tuple[Layers | None, ...] = tuple(_LAYERS.get(module) for module in MODELS.values())

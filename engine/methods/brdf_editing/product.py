@@ -17,9 +17,10 @@ from engine.brdf.layers import LAYERS
 from engine.errors import EditNotSupported
 from engine.light.base import Light
 from engine.methods.base import Frame, MaterialFit, require_supported
-from engine.methods.brdf_editing.arriving import Arriving
+from engine.methods.brdf_editing.arriving import Apart, Arriving
 from engine.methods.brdf_editing.evaluate import evaluate
 from engine.methods.brdf_editing.fold import Folded, Slots, fold
+from engine.methods.brdf_editing.interleaved import shared
 from engine.methods.brdf_editing.light_seen import shining
 from engine.methods.brdf_editing.patterns import patterns
 from engine.methods.brdf_editing.places import Places
@@ -99,10 +100,11 @@ class Polynomial:
         self._points = Places(view, scene.material_table)
         lights = shining(transport.lights)
         direct = direct_of(self._points.surface(scene.material_table), lights, transport.seen)
+        no_light = np.zeros((0, 1, 3), np.float32)
         self._arriving = Arriving(
             patterns(settings), scene.camera.width, transport.sample,
-            np.zeros((0, 1, 3), np.float32), no_second(cloud, lights), beyond, lights,
-            transport.seen, direct,
+            no_light, no_second(cloud, lights), Apart(no_light, no_light[None]),
+            np.zeros((0, 3), np.float32), beyond, lights, transport.seen, direct,
         )  # fmt: skip
         self._texture = self._cloud_texture()
         self._hand: Hand | None = None
@@ -162,7 +164,8 @@ class Polynomial:
             colours, lobes = coefficients(layers, table.row[m], s.bands, s.basis)
             known = shares(int(table.model[m]), hand.table.row[m], s.bands, s.basis)
             albedo = known.albedo(colours, lobes)
-            second = _row_by_row(*coefficients(layers, table.row[m], s.second_bands, s.basis))
+            if hand.behind.steps.size:
+                second = _row_by_row(*coefficients(layers, table.row[m], s.second_bands, s.basis))
         image = evaluate(
             hand.others, hand.pixels, hand.folded, hand.behind, albedo.astype(np.float32),
             _row_by_row(colours, lobes), second,
@@ -229,17 +232,20 @@ class Polynomial:
         later = self._within.powers(self._first, fixed, edited, s.bounces)
         if material < 0:
             later = Later(*(np.ascontiguousarray(a[:, :1]) for a in later))
-        second = self._arriving.second
+        arriving, surface = (
+            self._arriving._replace(powers=later.radiance),
+            self._points.surface(table),
+        )
         if self.transport.second is not None and s.bounces:
             came = Incoming(
                 later, (self._texture * matt[of]).astype(np.float32), self._texture,
-                self._arriving.beyond,
+                (matt + gloss)[material], self._arriving.beyond,
             )  # fmt: skip
             second = second_bounce(
-                self.cloud, self.transport.second, table, material, came, self._arriving.lights, s
+                self.cloud, self.transport.second, table, material, came, arriving.lights, s
             )
-        arriving = self._arriving._replace(powers=later.radiance, second=second)
-        surface = self._points.surface(table)
+            arriving = arriving._replace(second=second, matt=_even_albedos(table))
+            arriving = arriving._replace(apart=shared(surface, arriving, material))
         slots, pixels = Slots(0, 0, s.bands, s.basis == "tents"), np.zeros(0, np.int32)
         if material >= 0:
             layers = LAYERS[table.model[material]]
@@ -285,6 +291,16 @@ class Polynomial:
             if light.enabled:
                 first += light_on_points(scene.rays, white, light)
         return first * np.float32(np.pi)
+
+
+def _even_albedos(table: MaterialTable) -> NDArray[np.float32]:
+    """(m, 3): colours of what is matt of each material, -1 where nothing is; see `Arriving`."""
+    found = np.full((len(table.model), 3), -1, np.float32)
+    for m, model in enumerate(table.model):
+        layers = LAYERS[model]
+        if layers is not None and layers.even:
+            found[m] = layers.colours(table.row[m])[0]
+    return found
 
 
 def _row_by_row(colours: NDArray[np.float64], lobes: NDArray[np.float64]) -> NDArray[np.float32]:

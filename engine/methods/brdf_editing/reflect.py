@@ -13,9 +13,12 @@ from engine.brdf.base import DIFFUSE, is_matt
 from engine.methods.brdf_editing.arriving import (
     Arriving,
     Surface,
+    add_apart,
     came_apart,
     from_lamp,
     gather_even,
+    is_apart,
+    is_gloss,
     part_of,
 )
 from engine.methods.brdf_editing.fold import Folded, to_steps
@@ -54,24 +57,28 @@ def _reflect(begin, end, surface, arriving, hand, slots, out, steps, unit):
         behind[:] = 0.0
         parts = 4 if surface.edge[i] >= 0 else 1
         for part in range(parts):
-            at, link = part_of(surface, i, part)
+            at = part_of(surface, i, part)[0]
             if surface.model[at] < 0 or surface.material[at] == hand:
                 continue
             if is_matt(surface.row[at]) and arriving.patterns.cosines > 0:
                 row = surface.row[at]
                 colour = (row[DIFFUSE], row[DIFFUSE + 1], row[DIFFUSE + 2])
-                gather_even(surface, arriving, at, link, part, parts, colour, room, behind, even)
+                gather_even(surface, arriving, i, part, colour, room, behind, even)
                 for c in range(3):
                     out[i, :, c] += colour[c] * even[:, c]
             else:
-                _reflect_rays(surface, arriving, at, link, part, parts, room, behind, out[i])
+                _reflect_rays(surface, arriving, i, part, room, behind, out[i])
                 _reflect_lights(surface, arriving, at, parts, out[i, 0])
         if slots > 0:
             to_steps(behind, steps[i], unit[i])
 
 
 @njit(fastmath={"contract", "reassoc"})
-def _reflect_rays(surface, arriving, at, link, part, parts, room, behind, out):
+def _reflect_rays(surface, arriving, i, part, room, behind, out):
+    at, link = part_of(surface, i, part)
+    parts, apart = (4 if surface.edge[i] >= 0 else 1), is_apart(surface, arriving, i)
+    matt, texture = vec(arriving.matt, surface.material[at]), vec(surface.texture, at)
+    colour = (matt[0] * texture[0], matt[1] * texture[1], matt[2] * texture[2])
     p, model = surface.row[at], surface.model[at]
     z, g = vec(surface.normal, at), vec(surface.geometric, at)
     s, t = tangents(z)
@@ -84,11 +91,18 @@ def _reflect_rays(surface, arriving, at, link, part, parts, room, behind, out):
             continue
         weight = weight_of(patterns, wi, wo)
         f = evaluate(model, p, wi, wo)
-        own = (weight * f[0], weight * f[1], weight * f[2])
+        less = 1.0 / math.pi if apart and is_gloss(arriving, sample[k]) else 0.0
+        own = (
+            weight * (f[0] - less * colour[0]),
+            weight * (f[1] - less * colour[1]),
+            weight * (f[2] - less * colour[2]),
+        )
         came = came_apart(arriving, sample[k], d, k, own, room, behind)
         for n in range(out.shape[0]):
             for c in range(3):
                 out[n, c] += own[c] * came[n, c]
+    if apart:
+        add_apart(arriving, i, colour, colour, out, behind)
 
 
 @njit(fastmath={"contract", "reassoc"})

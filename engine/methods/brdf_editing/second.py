@@ -5,7 +5,8 @@ series such as (64, 16) or (128, 8, 1), in which the second bounce from the eye 
 its own. `second_tables` makes what is looked up here; lamps are followed one by one.
 
 Of frozen materials the tables hold what they send. Of the one in hand they hold what each element
-sends, for pixels of other materials; pixels that show the material in hand see it matt in itself.
+sends, for pixels of other materials. Where it sees itself, its second lobe keeps the shape that it
+had when it was taken in hand, and follows its albedo.
 """
 
 from __future__ import annotations
@@ -32,21 +33,23 @@ illuminate = lights.illuminate
 MATT, FROZEN, HAND = 0, 1, 2
 VIEWS = 10  # across the disk of directions that tables are made for
 LAMP_POINTS = 4  # of each lamp, for each ray that lands
-LEAST = 1e-3  # cosine of a ray that a sample's normal says is below the surface
+LEAST = 0.05  # cosine of a ray that the normal of its sample has near or below the surface
 
 
 class Second(NamedTuple):
     """What samples of the gather cloud send.
 
     kind      (n_g,) uint8      MATT: the same all round
-    place     (n_g,) int32      in `base` and `frozen`, or in `glow`, `constant` and `hand`
+    place     (n_g,) int32      in `base` and `frozen`
+    own       (n_g,) int32      in `glow`, `constant` and `hand`
     cell      (VIEWS, VIEWS) int32   which view of the tables
-    base      (m, deg + 1, 3)   what a frozen sample sends all round
+    base      (m, deg + 1, 3)   what a sample sends all round; of the one in hand as it was taken
     frozen    (m, views, deg + 1, 3)   its gloss by the direction
     glow      (h, 3)            emission of samples of the material in hand
     constant  (h, deg + 1, 3)   what a white matt one in its place would send
     hand      (h, views, curves · bands, deg + 1, 3)   its gloss by direction and element
     share     (constants,)      albedos of the constants
+    inverse   (3,)              1 / albedo in hand, as it was taken; 0 where there was none
     bands, tents                elements of a curve in hand, and which they are
     position, normal, material, size   of gather samples
     model, row                  of materials, row without the matt part
@@ -55,6 +58,7 @@ class Second(NamedTuple):
 
     kind: NDArray[np.uint8]
     place: NDArray[np.int32]
+    own: NDArray[np.int32]
     cell: NDArray[np.int32]
     base: NDArray[np.float32]
     frozen: NDArray[np.float32]
@@ -62,6 +66,7 @@ class Second(NamedTuple):
     constant: NDArray[np.float32]
     hand: NDArray[np.float32]
     share: NDArray[np.float64]
+    inverse: NDArray[np.float32]
     bands: int
     tents: bool
     position: NDArray[np.float32]
@@ -116,8 +121,8 @@ def _lamp_point(second, y, lamp, k, turn, frame):
 
 
 @njit(fastmath={"contract", "reassoc"})
-def sent_by_frozen(second, y, d, k, out):
-    """Fill out (deg + 1, 3) with what frozen sample y sends back along ray k, of direction d."""
+def sent(second, y, d, k, out):
+    """Fill out (deg + 1, 3) with what sample y sends back along ray k, of direction d."""
     wo, frame = _towards(second, y, d)
     place = second.place[y]
     gloss, base = second.frozen[place, _view_of(second, wo, k)], second.base[place]
@@ -134,6 +139,25 @@ def sent_by_frozen(second, y, d, k, out):
                     out[0, c] += wi[2] * f[c] * light[c]
 
 
+@njit
+def sent_to_itself(second, y, d, k, matt, out):
+    """The same from the material in hand to itself: as it was taken, in proportion to its albedo.
+
+    matt (deg + 1, 3) is what it sends as a matt one, for channels in which it was black.
+    """
+    sent(second, y, d, k, out)
+    glow = second.glow[second.own[y]]
+    for c in range(3):
+        if second.inverse[c] > 0.0:
+            out[0, c] -= glow[c]
+            for n in range(out.shape[0] - 1, 0, -1):
+                out[n, c] = out[n - 1, c] * second.inverse[c]
+            out[0, c] = glow[c]
+        else:
+            for n in range(out.shape[0]):
+                out[n, c] = matt[n, c]
+
+
 @njit(fastmath={"contract", "reassoc"})
 def add_sent_in_hand(second, y, d, k, weight, total):
     """Add what each coefficient of sample y, in hand, sends back along ray k, of direction d.
@@ -141,17 +165,17 @@ def add_sent_in_hand(second, y, d, k, weight, total):
     weight is three numbers, total (deg + 1, slots, 3).
     """
     wo, frame = _towards(second, y, d)
-    place, constants = second.place[y], second.share.shape[0]
-    sent, matt = second.hand[place, _view_of(second, wo, k)], second.constant[place]
+    own, constants = second.own[y], second.share.shape[0]
+    gloss, matt = second.hand[own, _view_of(second, wo, k)], second.constant[own]
     for n in range(total.shape[0]):
         for c in range(3):
             for q in range(constants):
                 total[n, q, c] += weight[c] * second.share[q] * matt[n, c]
-    for slot in range(sent.shape[0]):
+    for slot in range(gloss.shape[0]):
         for n in range(total.shape[0]):
             for c in range(3):
-                total[n, constants + slot, c] += weight[c] * sent[slot, n, c]
-    m, curves = second.material[y], sent.shape[0] // second.bands
+                total[n, constants + slot, c] += weight[c] * gloss[slot, n, c]
+    m, curves = second.material[y], gloss.shape[0] // second.bands
     for lamp in range(second.seen.shape[1]):
         for turn in range(LAMP_POINTS):
             seen, wi, light = _lamp_point(second, y, lamp, k, turn, frame)

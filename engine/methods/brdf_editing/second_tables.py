@@ -37,6 +37,7 @@ from engine.scene.scene import MaterialTable
 RAYS = 256  # of a gather sample
 FINE = 64  # elements that the lobes of frozen materials are resolved with
 BLOCK = 512  # gather samples whose tables are made at a time
+LEAST = 1e-3  # albedo of which the inverse is taken
 COARSER = 2  # levels between the environment's samples and the cells around rays
 
 
@@ -53,12 +54,14 @@ class Incoming(NamedTuple):
     later    light on the cloud
     matt     (n_g, 3)        albedo of the constants alone, textures applied
     texture  (n_g, 3)        factor of the diffuse reflectance
+    albedo   (3,)            that in hand
     beyond   (4^DEPTH, 3)    radiance of the environment; (0, 3) for none
     """
 
     later: Later
     matt: Light
     texture: Light
+    albedo: NDArray[np.float64]
     beyond: Light
 
 
@@ -78,8 +81,10 @@ def no_second(cloud: GatherCloud, light: Shining) -> Second:
 
     return Second(
         kind=np.zeros(n, np.uint8), place=np.zeros(n, np.int32),
+        own=np.zeros(n, np.int32),
         cell=np.zeros((VIEWS, VIEWS), np.int32), base=none(3), frozen=none(4),
-        glow=none(2), constant=none(3), hand=none(5), share=np.zeros(0), bands=1,
+        glow=none(2), constant=none(3), hand=none(5), share=np.zeros(0),
+        inverse=np.zeros(3, np.float32), bands=1,
         tents=False, position=points.position, normal=points.normal, material=points.material,
         size=points.size, model=np.zeros(0, np.int32), row=none(2),
         seen=np.zeros((0, 0), np.uint64), lights=light,
@@ -111,22 +116,25 @@ def second_bounce(
             elements, basis = settings.second_bands, settings.basis
             weights = lobe_weights(int(model), p, elements, basis, grid.direction, lattice)
             sent = _sent(cloud, rays, came, beyond, mine, weights.reshape(-1, RAYS)[None])
-            second.kind[mine], second.place[mine] = HAND, np.arange(len(mine))
+            second.kind[mine], second.own[mine] = HAND, np.arange(len(mine))
             second = second._replace(
                 hand=sent.reshape(len(mine), len(grid.number), -1, *irradiance.shape[1:]),
                 share=shares(int(model), p, settings.bands, basis).constants,
+                inverse=_inverse(came.albedo),
                 bands=elements, tents=basis == "tents", glow=cloud.emission[mine],
                 constant=came.texture[mine, None] * irradiance[mine],
             )  # fmt: skip
-        elif (p[SPECULAR : SPECULAR + 3] > 0).any():
-            weights = lobe_weights(int(model), p, FINE, "tents", grid.direction, lattice)
-            lobes = coefficients(layers, p, FINE, "tents")[1].astype(np.float32)
-            whole = np.einsum("vljk,ljc->cvk", weights, lobes, optimize=True)
+        elif not (p[SPECULAR : SPECULAR + 3] > 0).any():
+            continue
+        else:
             second.kind[mine] = FROZEN
-            second.place[mine] = sum(map(len, base)) + np.arange(len(mine))
-            frozen.append(_sent(cloud, rays, came, beyond, mine, whole))
-            base.append(came.matt[mine, None] * irradiance[mine])
-            base[-1][:, 0] += cloud.emission[mine]
+        weights = lobe_weights(int(model), p, FINE, "tents", grid.direction, lattice)
+        lobes = coefficients(layers, p, FINE, "tents")[1].astype(np.float32)
+        whole = np.einsum("vljk,ljc->cvk", weights, lobes, optimize=True)
+        second.place[mine] = sum(map(len, base)) + np.arange(len(mine))
+        frozen.append(_sent(cloud, rays, came, beyond, mine, whole))
+        base.append(came.matt[mine, None] * irradiance[mine])
+        base[-1][:, 0] += cloud.emission[mine]
     cell = np.zeros(VIEWS * VIEWS, np.int32)
     cell[grid.number] = np.arange(len(grid.number))
     row = without_grain(table.row)
@@ -135,6 +143,11 @@ def second_bounce(
         cell=cell.reshape(VIEWS, VIEWS), base=np.concatenate(base), frozen=np.concatenate(frozen),
         model=table.model.astype(np.int32), row=row, seen=rays.seen,
     )  # fmt: skip
+
+
+def _inverse(albedo: NDArray[np.float64]) -> Light:
+    known = albedo > LEAST
+    return np.where(known, 1 / np.where(known, albedo, 1), 0).astype(np.float32)
 
 
 def _coarser(beyond: Light) -> Light:
