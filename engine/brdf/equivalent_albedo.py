@@ -19,9 +19,7 @@ from numpy.typing import NDArray
 from engine.brdf.base import without_grain
 from engine.brdf.curve_basis import Basis, weights_at
 from engine.brdf.half_angle import angle_of
-from engine.brdf.layers import CONSTANTS, CURVES, LAYERS, Layers, factors
-from engine.numerics.frames import tangents, to_world
-from engine.numerics.vec import dot, reflect
+from engine.brdf.layers import CONSTANTS, CURVES, LAYERS, Layers, direction_at, factors
 
 VIEWS, TURNS = 12, 4  # heights of wo, and azimuths in a quarter of the circle
 KEPT = 256
@@ -64,14 +62,18 @@ def _integrated(
     layers: Layers, model: int, p: NDArray[np.float32], count: int, basis: Basis
 ) -> Shares:
     s, height = _gauss(VIEWS)
-    u, width = _gauss(PER_BAND * count)
-    solid = 4 * u**3 * width
+    cosine, solid = angles(count)
     constants, curves = np.zeros(CONSTANTS), np.zeros((CURVES, count))
     _integrate(
-        model, p, basis == "tents", layers.mirrored, s, height, np.cos(angle_of(u)), solid,
-        constants, curves,
+        model, p, basis == "tents", layers.mirrored, s, height, cosine, solid, constants, curves,
     )  # fmt: skip
     return Shares(constants[: layers.constants], curves[: layers.curves])
+
+
+def angles(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(cos γ, sin γ dγ): a quadrature fine enough for `count` elements."""
+    u, width = _gauss(PER_BAND * count)
+    return np.cos(angle_of(u)), 4 * u**3 * width
 
 
 def _gauss(n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -99,20 +101,11 @@ def _integrate(model, p, tents, mirrored, s, height, cosine, solid, constants, c
                     for q in range(CONSTANTS):
                         constants[q] += weight * 0.5 * height[i] * step * f[1 + q]
             # Directions about what γ is measured from.
-            up = (-wo[0], -wo[1], wo[2]) if mirrored else (0.0, 0.0, 1.0)
-            a, b = tangents(up)
             for i in range(cosine.shape[0]):
-                r = np.sqrt(max(0.0, 1.0 - cosine[i] * cosine[i]))
                 for k in range(ROUND):
-                    angle = (k + 0.5) * step
-                    d = to_world((r * np.cos(angle), r * np.sin(angle), cosine[i]), a, b, up)
-                    area = solid[i] * step
-                    if not mirrored:
-                        area *= 4.0 * dot(wo, d)
-                        if area <= 0.0:
-                            continue
-                        d = reflect(wo, d)
-                    if d[2] <= 0.0:
+                    d, jacobian = direction_at(cosine[i], (k + 0.5) * step, wo, mirrored)
+                    area = solid[i] * step * jacobian
+                    if d[2] <= 0.0 or area <= 0.0:
                         continue
                     f = factors(model, p, d, wo)
                     j, here, there = weights_at(f[0], curves.shape[1], tents)

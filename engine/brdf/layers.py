@@ -40,7 +40,8 @@ from engine.brdf.fresnel import f90, rise
 from engine.brdf.half_angle import place_of
 from engine.brdf.table import MODELS
 from engine.numerics.dispatch import by_index
-from engine.numerics.vec import dot
+from engine.numerics.frames import tangents, to_world
+from engine.numerics.vec import dot, reflect
 
 CONSTANTS, CURVES = 3, 2  # at most, of any model
 LEAST = 1e-3  # n_u where it is less, so that it has a ratio
@@ -63,6 +64,7 @@ class Layers:
     lobes              (row, θ (n,)) -> (curves, n, 3), the f_l at angles γ
     held               row -> what of it the quotients keep
     mirrored           whether γ is the angle to the mirrored view
+    even               whether the first quotient is that of a matt surface, 1/π
     """
 
     constants: int
@@ -72,10 +74,27 @@ class Layers:
     lobes: Curves
     held: Callable[[NDArray[np.float32]], float] = _nothing
     mirrored: bool = False
+    even: bool = True
 
     def covers(self, p: NDArray[np.float32], row: NDArray[np.float32]) -> bool:
         """Whether quotients that were taken from p serve another row of the same model."""
         return math.isclose(self.held(p), self.held(row), rel_tol=1e-5)
+
+
+@njit
+def direction_at(cosine, azimuth, wo, mirrored):
+    """(wi, dω / (sin γ dγ dφ)): the direction at an angle γ of which the cosine is given.
+
+    0 for directions that no half vector makes; those below the surface are for the caller.
+    """
+    up = (-wo[0], -wo[1], wo[2]) if mirrored else (0.0, 0.0, 1.0)
+    a, b = tangents(up)
+    r = math.sqrt(max(0.0, 1.0 - cosine * cosine))
+    d = to_world((r * math.cos(azimuth), r * math.sin(azimuth), cosine), a, b, up)
+    if mirrored:
+        return d, 1.0
+    jacobian = 4.0 * dot(wo, d)
+    return reflect(wo, d), max(0.0, jacobian)
 
 
 @njit
@@ -223,7 +242,9 @@ _LAYERS: dict[ModuleType, Layers] = {
     ggx: Layers(3, 2, _ggx, _coupled_colours, _ggx_lobe, lambda row: float(row[ROUGHNESS])),
     cook_torrance: Layers(3, 2, _cook_torrance, _coupled_colours, _beckmann_lobe),
     half_angle_curve: Layers(3, 2, _cook_torrance, _coupled_colours, _free_lobe),
-    ashikhmin_shirley: Layers(1, 2, _ashikhmin_shirley, _brushed_colours, _brushed_lobe, _ratio),
+    ashikhmin_shirley: Layers(
+        1, 2, _ashikhmin_shirley, _brushed_colours, _brushed_lobe, _ratio, even=False
+    ),
 }
 
 LAYERS: tuple[Layers | None, ...] = tuple(_LAYERS.get(module) for module in MODELS.values())

@@ -15,15 +15,20 @@ def evaluate(
     others: NDArray[np.float32],
     pixels: NDArray[np.int32],
     folded: Folded,
+    behind: Folded,
     albedo: NDArray[np.float32],
     coefficients: NDArray[np.float32],
+    second: NDArray[np.float32],
 ) -> NDArray[np.float32]:
     """(n, 3) float32 radiance: the polynomials `others` (n, deg + 1, 3) and F of pixels (m,).
 
-    albedo (3,) of the material in hand, coefficients (3, slots) of its BRDF.
+    albedo (3,) of the material in hand, coefficients (3, slots) of its BRDF; `behind` is F of the
+    second bounce for all pixels or none, and `second` (3, slots) its coefficients.
     """
     out = np.zeros((len(others), 3), np.float32)
     for_ranges(_others, len(others), others, albedo, out)
+    every = np.arange(len(behind.steps), dtype=np.int32)
+    for_ranges(_hand, len(every), every, *behind, albedo, second, out, grain=512)
     for_ranges(_hand, len(pixels), pixels, *folded, albedo, coefficients, out, grain=512)
     return out
 

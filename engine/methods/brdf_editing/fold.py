@@ -26,6 +26,8 @@ from engine.methods.brdf_editing.arriving import (
     came_along,
     from_lamp,
     gather_even,
+    is_apart,
+    is_gloss,
     part_of,
 )
 from engine.methods.brdf_editing.patterns import pattern_of, ray_of, weight_of
@@ -35,6 +37,7 @@ from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import vec
 
 STEPS = 32767
+BLACK = 0.0, 0.0, 0.0
 
 
 class Folded(NamedTuple):
@@ -79,43 +82,51 @@ def fold(
 def _fold(begin, end, surface, arriving, pixels, hand, slots, steps, unit):
     surface, arriving = borrow(surface), borrow(arriving)
     total = np.zeros((steps.shape[1], steps.shape[3], 3), np.float32)
-    none = np.zeros((steps.shape[1], 3), np.float32)
+    room = np.zeros((steps.shape[1], 3), np.float32)
+    nothing = np.zeros((steps.shape[1], 0, 3), np.float32)
     even = np.zeros((steps.shape[1], 3), np.float32)
     for q in range(begin, end):
         total[:] = 0.0
         i = pixels[q]
         parts = 4 if surface.edge[i] >= 0 else 1
         for part in range(parts):
-            at, link = part_of(surface, i, part)
+            at = part_of(surface, i, part)[0]
             if surface.material[at] == hand:
                 if slots.curves == 0 and arriving.patterns.cosines > 0:
-                    gather_even(surface, arriving, at, link, part, parts, none, even)
+                    gather_even(surface, arriving, i, part, BLACK, room, nothing, even)
                     for c in range(3):
                         total[:, 0, c] += surface.texture[at, c] * even[:, c]
                 else:
-                    _fold_rays(surface, arriving, at, link, part, parts, slots, none, total)
+                    _fold_rays(surface, arriving, i, part, slots, room, total)
                     _fold_lights(surface, arriving, at, parts, slots, total)
-        _to_steps(total, steps[q], unit[q])
+        to_steps(total, steps[q], unit[q])
 
 
 @njit(fastmath={"contract", "reassoc"})
-def _fold_rays(surface, arriving, at, link, part, parts, slots, none, total):
+def _fold_rays(surface, arriving, i, part, slots, room, total):
+    at, link = part_of(surface, i, part)
+    parts, apart = (4 if surface.edge[i] >= 0 else 1), is_apart(surface, arriving, i)
     p, model = surface.row[at], surface.model[at]
     z, g = vec(surface.normal, at), vec(surface.geometric, at)
     s, t = tangents(z)
     wo, texture = to_local(vec(surface.eye, at), s, t, z), vec(surface.texture, at)
     pattern, patterns = pattern_of(link, arriving.width), arriving.patterns
-    sample, powers, beyond = arriving.sample[link], arriving.powers, arriving.beyond
+    sample = arriving.sample[link]
     for k in range(part, sample.shape[0], parts):
         wi, d = ray_of(patterns, pattern, k, wo, (s, t, z), g)
         if wi[2] <= 0.0:
             continue
-        came = came_along(powers, beyond, sample[k], d, none)
+        came = came_along(arriving, sample[k], d, k, room)
         f = factors(model, p, wi, wo)
         weight = weight_of(patterns, wi, wo)
+        first = 1 if apart and is_gloss(arriving, sample[k]) else 0
         for n in range(total.shape[0]):
             light = (came[n, 0], came[n, 1], came[n, 2])
-            _add(total[n], f, weight, light, texture, slots)
+            _add(total[n], f, weight, light, texture, slots, first)
+    if apart:
+        for n in range(total.shape[0]):
+            for c in range(3):
+                total[n, 0, c] += texture[c] * arriving.apart.even[i, n, c]
 
 
 @njit(fastmath={"contract", "reassoc"})
@@ -133,13 +144,13 @@ def _fold_lights(surface, arriving, at, parts, slots, total):
             wi = to_local(w, s, t, z)
             if wi[2] > 0.0:
                 f, weight = factors(model, p, wi, wo), wi[2] / (count * parts)
-                _add(total[0], f, weight, light, texture, slots)
+                _add(total[0], f, weight, light, texture, slots, 0)
 
 
 @njit(inline="always")
-def _add(total, f, weight, light, texture, slots):
-    """Add light times a weight to what the quotients f take, total (slots, 3)."""
-    for c in range(slots.constants):
+def _add(total, f, weight, light, texture, slots, first):
+    """Add light times a weight to what the quotients f take from the first on, total (slots, 3)."""
+    for c in range(first, slots.constants):
         value = weight * f[1 + c]
         for channel in range(3):
             total[c, channel] += value * texture[channel] * light[channel]
@@ -155,7 +166,8 @@ def _add(total, f, weight, light, texture, slots):
 
 
 @njit
-def _to_steps(total, steps, unit):
+def to_steps(total, steps, unit):
+    """Write down a total (deg + 1, slots, 3) as `Folded` has it."""
     for n in range(total.shape[0]):
         most = np.float32(0)
         for slot in range(total.shape[1]):

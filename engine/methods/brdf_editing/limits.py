@@ -94,7 +94,8 @@ def warnings(
         albedos = albedos.copy()
         albedo = albedos[:, hand] = albedo_of(int(table.model[hand]), row, limits.taken, settings)
         said += _of_material(limits.name, table, hand, settings, albedo, limits.spacing, True)
-    said += _seen_as_matt(limits.mirrored, albedos)
+    if settings.second_bands == 1:
+        said += _seen_as_matt(limits.mirrored, albedos)
     said += _truncated(limits.sent, albedo.sum(axis=0), settings.bounces)
     return tuple(_worst(said))
 
@@ -208,7 +209,8 @@ def _seen_as_matt(mirrored: NDArray[np.float64], albedos: Albedos) -> Iterator[D
         yield Diagnosis(
             "gloss_seen_as_matt",
             f"{100 * share:.0f} % of what glossy surfaces mirror is the gloss of others, which "
-            "looks matt in them: up to that much is off, the more the sharper both are.",
+            "looks matt in them: up to that much is off, the more the sharper both are. Set "
+            "second_bands to 8, or to 16 for caustics.",
             share,
         )
 

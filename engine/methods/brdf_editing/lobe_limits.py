@@ -13,7 +13,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.brdf.curve_basis import Basis
-from engine.brdf.layers import Layers, angle_of
+from engine.brdf.half_angle import angle_of
+from engine.brdf.layers import Layers
 from engine.methods.brdf_editing.arriving import Surface, from_lamp
 from engine.methods.brdf_editing.light_seen import Shining
 from engine.methods.brdf_editing.settings import Settings

@@ -40,6 +40,19 @@ class Sent(NamedTuple):
     kept: NDArray[np.float64]
 
 
+class Later(NamedTuple):
+    """Light on the cloud by powers of the albedo in hand, (n_g, bounces + 1, 3) each.
+
+    radiance    of samples, after all bounces
+    incoming    radiance of samples, after one bounce less
+    irradiance  over π, that it makes of `incoming` and the lights
+    """
+
+    radiance: Light
+    incoming: Light
+    irradiance: Light
+
+
 class CloudLight:
     """Passes light on within the cloud."""
 
@@ -61,29 +74,31 @@ class CloudLight:
     def _arriving(self, wavelets: Light) -> Light:
         return multiply(*self._rows, wavelets, self._runs, len(wavelets))
 
-    def powers(self, first: Light, fixed: Light, edited: Light, bounces: int) -> tuple[Light, Sent]:
-        """(n_g, bounces + 1, 3): the radiance of samples by powers of the albedo x in hand.
+    def powers(self, first: Light, fixed: Light, edited: Light, bounces: int) -> tuple[Later, Sent]:
+        """Light by powers of the albedo x in hand.
 
         first (n_g, 3) is I, the albedo `fixed` + x · `edited`, (n_g, 3) each.
         """
-        powers = np.zeros((bounces + 1, len(first), 3), np.float32)
+        powers, onto, before = np.zeros((3, bounces + 1, len(first), 3), np.float32)
         powers[0] = self._cloud.emission
-        before = np.zeros((bounces + 1, 3))
-        before[0] = self._sent(first) / -np.pi
+        last = np.zeros((bounces + 1, 3))
+        last[0] = self._sent(first) / -np.pi
         for bounce in range(bounces):
+            before, onto = powers.copy(), np.zeros_like(powers)
             if bounce == bounces - 1:
-                before = self._sent(powers)
-            onto = np.zeros_like(powers)
+                last = self._sent(powers)
             onto[0] = first
             for n in range(bounce + 1):
                 if bounce or powers[n].any():
                     onto[n] += self.arriving(powers[n])
-            powers[:] = onto * (fixed / np.float32(np.pi))
-            powers[1:] += onto[:-1] * (edited / np.float32(np.pi))
+            onto /= np.float32(np.pi)
+            powers[:] = onto * fixed
+            powers[1:] += onto[:-1] * edited
             powers[0] += self._cloud.emission
         total, closed = self._sent(powers), self._closed / (np.pi * self._cloud.area.sum())
         kept = np.stack([closed @ fixed, closed @ edited])
-        return np.ascontiguousarray(powers.swapaxes(0, 1)), Sent(total, total - before, kept)
+        later = Later(*(np.ascontiguousarray(a.swapaxes(0, 1)) for a in (powers, before, onto)))
+        return later, Sent(total, total - last, kept)
 
     def _sent(self, radiance: Light) -> NDArray[np.float64]:
         """(..., 3): radiance (..., n_g, 3) times the area of samples, summed up."""

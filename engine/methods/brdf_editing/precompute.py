@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
@@ -12,15 +12,18 @@ import numpy as np
 
 from engine.light.base import Light
 from engine.methods.base import Progress
+from engine.methods.brdf_editing.hand import Transport
 from engine.methods.brdf_editing.light_seen import Shining, seen_of, shining
 from engine.methods.brdf_editing.links import Job as LinkJob
 from engine.methods.brdf_editing.links import link_chunk
-from engine.methods.brdf_editing.patterns import patterns
-from engine.methods.brdf_editing.product import NAME, Polynomial, Transport
+from engine.methods.brdf_editing.patterns import Patterns, patterns
+from engine.methods.brdf_editing.product import NAME, Polynomial
+from engine.methods.brdf_editing.second_tables import SecondRays, second_patterns
 from engine.methods.brdf_editing.settings import Settings
 from engine.methods.chunks import Arrays, run_chunks
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.environment_light import EnvironmentLight, EnvironmentRows
+from engine.methods.fixed_view.frame_buffer import Points
 from engine.methods.fixed_view.gather import ENVIRONMENT, cosine_lobes, gather_chunk
 from engine.methods.fixed_view.importance import wavelet_importance
 from engine.methods.fixed_view.nearest import build_grid
@@ -32,7 +35,7 @@ from engine.scene.scene import Scene
 from engine.store import Store
 
 VERSION = 1  # of the stored arrays and of what they mean
-AT_RUN_TIME = ("bands", "basis", "bounces")
+AT_RUN_TIME = ("bands", "second_bands", "basis", "bounces")
 POINTS = 16384  # of a chunk of `light_seen`
 
 Work = tuple[Callable[[int], Arrays], int]
@@ -50,8 +53,11 @@ def precompute(
     progress("view samples", 1, 1)
     cloud = stored_cloud(entry, view, settings, "uniform", progress)
 
-    def made(name: str, job: Callable[[], Work]) -> Arrays:
-        """Arrays from the store, or from the chunks that `job` tells how to make, and how many."""
+    def made(name: str, job: Callable[[], Work], lit: str = "") -> Arrays:
+        """Arrays from the store, or from the chunks that `job` tells how to make, and how many.
+
+        lit is a digest of the lights that they depend on.
+        """
         stored = entry.read(name)
         if stored is not None:
             return dict(stored.arrays)
@@ -72,25 +78,28 @@ def precompute(
     digest = hashlib.blake2b(digest_size=8)
     digest.update("\n".join(light.model_dump_json() for light in lights).encode())
     # Other lights are looked for anew.
-    seen = made(f"seen-{digest.hexdigest()}", lambda: _seen(view, shining(lights)))["seen"]
+    of, on = digest.hexdigest(), shining(lights)
+    buffer = view.buffer
+    seen = made(f"seen-{of}", lambda: _seen(scene, (buffer.centre, buffer.sub), on))["seen"]
+    second = None
+    if settings.second_bands > 1:
+        met = made("second-links", lambda: _second_links(scene, cloud))["sample"]
+        known = made(f"second-seen-{of}", lambda: _seen(scene, (cloud.points,), on))["seen"]
+        second = SecondRays(met, known)
     parts.remove()
     rows = PackedRows(*(bounce[name] for name in PackedRows._fields))
-    return Polynomial(view, settings, cloud, Transport(rows, sample, seen, lights, environment))
+    transport = Transport(rows, sample, seen, lights, environment, second)
+    return Polynomial(view, settings, cloud, transport)
 
 
-def _seen(view: View, on: Shining) -> Work:
-    """Of pixels, then sub-samples."""
-    buffer = view.buffer
-    pieces = [
-        (points, start)
-        for points in (buffer.centre, buffer.sub)
-        for start in range(0, len(points), POINTS)
-    ]
+def _seen(scene: Scene, of: Sequence[Points], on: Shining) -> Work:
+    """Of some points, then of others."""
+    pieces = [(points, start) for points in of for start in range(0, len(points), POINTS)]
 
     def chunk(number: int) -> Arrays:
         points, start = pieces[number]
         stop = min(start + POINTS, len(points))
-        return {"seen": seen_of(view.scene.rays, points, on, start, stop)}
+        return {"seen": seen_of(scene.rays, points, on, start, stop)}
 
     return chunk, len(pieces)
 
@@ -125,17 +134,26 @@ def _bounces(scene: Scene, settings: Settings, cloud: GatherCloud) -> Work:
 
 
 def _links(scene: Scene, settings: Settings, view: View, cloud: GatherCloud) -> Work:
-    points = cloud.points
-    job = LinkJob(
+    job = _link_job(scene, cloud, view.buffer.centre, patterns(settings))
+    return partial(link_chunk, job), job.chunks
+
+
+def _second_links(scene: Scene, cloud: GatherCloud) -> Work:
+    job = _link_job(scene, cloud, cloud.points, second_patterns())
+    return partial(link_chunk, job), job.chunks
+
+
+def _link_job(scene: Scene, cloud: GatherCloud, points: Points, rays: Patterns) -> LinkJob:
+    leaves = cloud.points
+    return LinkJob(
         positions=scene.geometry.positions,
         triangles=scene.geometry.triangles,
-        points=view.buffer.centre,
+        points=points,
         width=scene.camera.width,
-        patterns=patterns(settings),
-        leaf_position=points.position,
-        leaf_geometric=points.geometric,
+        patterns=rays,
+        leaf_position=leaves.position,
+        leaf_geometric=leaves.geometric,
         depth=cloud.clusters.depth,
-        grid=build_grid(points.position, points.geometric, cloud.area),
+        grid=build_grid(leaves.position, leaves.geometric, cloud.area),
         rays=scene.rays,
     )
-    return partial(link_chunk, job), job.chunks

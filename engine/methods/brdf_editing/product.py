@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,67 +11,19 @@ from engine.brdf.curve_basis import coefficients
 from engine.brdf.equivalent_albedo import shares
 from engine.brdf.layers import LAYERS
 from engine.errors import EditNotSupported
-from engine.light.base import Light
 from engine.methods.base import Frame, MaterialFit, require_supported
-from engine.methods.brdf_editing.albedos import albedos_of
-from engine.methods.brdf_editing.arriving import Arriving
 from engine.methods.brdf_editing.evaluate import evaluate
-from engine.methods.brdf_editing.fold import Folded, Slots, fold
-from engine.methods.brdf_editing.light_seen import shining
-from engine.methods.brdf_editing.limits import Limits, limits_of, warnings
-from engine.methods.brdf_editing.patterns import patterns
-from engine.methods.brdf_editing.places import Places
-from engine.methods.brdf_editing.polynomial import CloudLight
-from engine.methods.brdf_editing.reflect import direct_of, reflect
+from engine.methods.brdf_editing.hand import Freezer, Hand, Transport
+from engine.methods.brdf_editing.limits import warnings
 from engine.methods.brdf_editing.settings import Settings
 from engine.methods.clock import Clock
 from engine.methods.fixed_view.cloud import GatherCloud
-from engine.methods.fixed_view.direct import light_on_points
-from engine.methods.fixed_view.environment_light import EnvironmentLight
-from engine.methods.fixed_view.rows import PackedRows
 from engine.methods.fixed_view.view import View
 from engine.scene.edits import Edits, edited_materials
 from engine.scene.scene import MaterialTable
 from engine.scene.tables import changed_table
 
 NAME = "brdf_editing"
-
-
-class Transport(NamedTuple):
-    """What a precompute found.
-
-    bounce       one bounce of the gather cloud
-    sample       (n, N) uint16, see `links`
-    seen         (n + 4 m, l) uint64, see `light_seen`
-    lights       that shine: the scene's, and suns of its environment
-    environment  what it sends to a cloud of albedo 1
-    """
-
-    bounce: PackedRows
-    sample: NDArray[np.uint16]
-    seen: NDArray[np.uint64]
-    lights: tuple[Light, ...]
-    environment: EnvironmentLight
-
-
-@dataclass(frozen=True)
-class Hand:
-    """A material in hand, all others frozen.
-
-    material  its number, -1 for none
-    table     all materials as they were when it was taken
-    pixels    (m,) int32   that show it
-    folded    F of those
-    others    (n, deg + 1, 3) float32   V of all pixels
-    limits    what is left out
-    """
-
-    material: int
-    table: MaterialTable
-    pixels: NDArray[np.int32]
-    folded: Folded
-    others: NDArray[np.float32]
-    limits: Limits
 
 
 class Polynomial:
@@ -84,19 +33,7 @@ class Polynomial:
         self, view: View, settings: Settings, cloud: GatherCloud, transport: Transport
     ) -> None:
         self.view, self._settings, self.cloud, self.transport = view, settings, cloud, transport
-        scene = view.scene
-        self._within = CloudLight(cloud, transport.bounce)
-        self._first = self._irradiance()
-        lit = scene.environment is not None
-        beyond = transport.environment.radiance if lit else np.zeros((0, 3), np.float32)
-        self._points = Places(view, scene.material_table)
-        lights = shining(transport.lights)
-        direct = direct_of(self._points.surface(scene.material_table), lights, transport.seen)
-        self._arriving = Arriving(
-            patterns(settings), scene.camera.width, transport.sample,
-            np.zeros((0, 1, 3), np.float32), beyond, lights, transport.seen, direct,
-        )  # fmt: skip
-        self._texture = self._cloud_texture()
+        self._freeze = Freezer(view, settings, cloud, transport)
         self._hand: Hand | None = None
 
     @property
@@ -113,13 +50,16 @@ class Polynomial:
     def bytes(self) -> int:
         """Bytes of the transport."""
         t = self.transport
-        return int(t.sample.nbytes + t.seen.nbytes + sum(a.nbytes for a in t.bounce))
+        arrays = (t.sample, t.seen, *t.bounce, *(t.second or ()))
+        return int(sum(a.nbytes for a in arrays))
 
     @property
     def bytes_in_hand(self) -> int:
         """Bytes that a frame reads: F and V of the material in hand."""
         hand = self._hand
-        return sum(a.nbytes for a in (*hand.folded, hand.others)) if hand is not None else 0
+        if hand is None:
+            return 0
+        return sum(a.nbytes for a in (*hand.folded, *hand.behind, hand.others))
 
     @property
     def fits(self) -> tuple[MaterialFit, ...]:
@@ -146,17 +86,18 @@ class Polynomial:
     def _evaluate(self, hand: Hand, table: MaterialTable, scale: int) -> NDArray[np.float32]:
         s, m = self._settings, hand.material
         colours, lobes = np.zeros((0, 3)), np.zeros((0, 1, 3))
-        albedo = np.zeros(3)
+        albedo, second = np.zeros(3), np.zeros((3, 0), np.float32)
         if m >= 0:
             layers = LAYERS[table.model[m]]
             assert layers is not None
             colours, lobes = coefficients(layers, table.row[m], s.bands, s.basis)
             known = shares(int(table.model[m]), hand.table.row[m], s.bands, s.basis)
             albedo = known.albedo(colours, lobes)
-        every = np.concatenate([colours, lobes.reshape(-1, 3)]).T
+            if hand.behind.steps.size:
+                second = _row_by_row(*coefficients(layers, table.row[m], s.second_bands, s.basis))
         image = evaluate(
-            hand.others, hand.pixels, hand.folded, albedo.astype(np.float32),
-            np.ascontiguousarray(every, np.float32),
+            hand.others, hand.pixels, hand.folded, hand.behind, albedo.astype(np.float32),
+            _row_by_row(colours, lobes), second,
         )  # fmt: skip
         return np.ascontiguousarray(self.view.every(image, scale))
 
@@ -168,7 +109,7 @@ class Polynomial:
         changed = np.flatnonzero(
             (table.row != before.row).any(axis=1) | (table.model != before.model)
         )
-        if hand is not None and _holds(hand, table, changed):
+        if hand is not None and hand.holds(table, changed):
             return hand
         others = [m for m in changed if hand is None or m != hand.material]
         material = int((*changed, *others)[-1]) if len(changed) else self._most_seen()
@@ -209,68 +150,7 @@ class Polynomial:
                     field=f"materials.{name}.type",
                 )
 
-    def _freeze(self, material: int, table: MaterialTable) -> Hand:
-        s = self._settings
-        matt, gloss = albedos = albedos_of(table, s)
-        of = self.cloud.points.material
-        albedo = (self._texture * matt[of] + gloss[of]).astype(np.float32)
-        mine = of == material
-        whole = (matt[of] + gloss[of]).astype(np.float32)
-        # How much of the albedo in hand each sample has: 1 but for textures.
-        share = np.where(whole > 0, albedo / np.maximum(whole, 1e-6), 1).astype(np.float32)
-        edited = np.where(mine[:, None], share, 0).astype(np.float32)
-        fixed = np.where(mine[:, None], 0, albedo).astype(np.float32)
-        powers, sent = self._within.powers(self._first, fixed, edited, s.bounces)
-        if material < 0:
-            powers = np.ascontiguousarray(powers[:, :1])
-        arriving = self._arriving._replace(powers=powers)
-        surface = self._points.surface(table)
-        slots, pixels = Slots(0, 0, s.bands, s.basis == "tents"), np.zeros(0, np.int32)
-        if material >= 0:
-            layers = LAYERS[table.model[material]]
-            assert layers is not None
-            slots = slots._replace(constants=layers.constants, curves=layers.curves)
-            pixels = self._points.showing(material)
-        folded = fold(surface, arriving, pixels, material, slots)
-        limits = limits_of(
-            self.view.scene.material_names, table, material, s, albedos, of, surface,
-            arriving, sent,
-        )  # fmt: skip
-        others = reflect(surface, arriving, material)
-        return Hand(material, table, pixels, folded, others, limits)
 
-    def _cloud_texture(self) -> NDArray[np.float32]:
-        """(n_g, 3): what textures make of the diffuse part of gather samples' albedos."""
-        table, of = self.view.scene.material_table, self.cloud.points.material
-        matt, gloss = albedos_of(table, self._settings)
-        found = (self.cloud.albedo - gloss[of]) / np.maximum(matt[of], 1e-6)
-        textured = (table.maps[of, 0] >= 0)[:, None] & (matt[of] > 1e-3)
-        return np.where(textured, np.maximum(found, 0), 1).astype(np.float32)
-
-    def _irradiance(self) -> NDArray[np.float32]:
-        """(n_g, 3): what the lights and the environment send to the cloud."""
-        scene, cloud = self.view.scene, self.cloud
-        row = cloud.points.row.copy()
-        row[:, :3] = 1
-        white = replace(cloud.points, row=row)
-        first = np.zeros((len(cloud), 3), np.float32)
-        if scene.environment is not None:
-            first += self.transport.environment.gather
-        for light in self.transport.lights:
-            if light.enabled:
-                first += light_on_points(scene.rays, white, light)
-        return first * np.float32(np.pi)
-
-
-def _holds(hand: Hand, table: MaterialTable, changed: NDArray[np.intp]) -> bool:
-    """Whether a hand has all that changed."""
-    m = hand.material
-    if len(changed) == 0:
-        return True
-    layers = LAYERS[table.model[m]]
-    return (
-        list(changed) == [m]
-        and table.model[m] == hand.table.model[m]
-        and layers is not None
-        and layers.covers(hand.table.row[m], table.row[m])
-    )
+def _row_by_row(colours: NDArray[np.float64], lobes: NDArray[np.float64]) -> NDArray[np.float32]:
+    """(3, slots): coefficients as F has them."""
+    return np.ascontiguousarray(np.concatenate([colours, lobes.reshape(-1, 3)]).T, np.float32)

@@ -13,11 +13,15 @@ from engine.brdf.base import DIFFUSE, is_matt
 from engine.methods.brdf_editing.arriving import (
     Arriving,
     Surface,
-    came_along,
+    add_apart,
+    came_apart,
     from_lamp,
     gather_even,
+    is_apart,
+    is_gloss,
     part_of,
 )
+from engine.methods.brdf_editing.fold import Folded, to_steps
 from engine.methods.brdf_editing.light_seen import Shining
 from engine.methods.brdf_editing.patterns import pattern_of, ray_of, weight_of
 from engine.numerics.borrow import borrow
@@ -28,51 +32,77 @@ from engine.numerics.vec import dot, vec
 evaluate = brdfs.evaluate
 
 
-def reflect(surface: Surface, arriving: Arriving, hand: int) -> NDArray[np.float32]:
-    """V of all n pixels, for what they show of other materials: (n, deg + 1, 3) float32."""
-    out = np.zeros((len(surface.edge), arriving.powers.shape[1], 3), np.float32)
-    for_ranges(_reflect, len(out), surface, arriving, hand, out, grain=64)
-    return out
+def reflect(surface: Surface, arriving: Arriving, hand: int) -> tuple[NDArray[np.float32], Folded]:
+    """V of all n pixels, for what they show of other materials: (n, deg + 1, 3) float32.
+
+    And F of the coefficients that the second bounce has of the material in hand, see `second`.
+    """
+    n, degrees, slots = len(surface.edge), arriving.powers.shape[1], arriving.second.slots
+    out = np.zeros((n, degrees, 3), np.float32)
+    behind = Folded(
+        np.zeros((n if slots else 0, degrees, 3, slots), np.int16),
+        np.zeros((n if slots else 0, degrees), np.float32),
+    )
+    for_ranges(_reflect, n, surface, arriving, hand, slots, out, *behind, grain=64)
+    return out, behind
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _reflect(begin, end, surface, arriving, hand, out):
+def _reflect(begin, end, surface, arriving, hand, slots, out, steps, unit):
     surface, arriving = borrow(surface), borrow(arriving)
-    none = np.zeros((out.shape[1], 3), np.float32)
+    room = np.zeros((out.shape[1], 3), np.float32)
     even = np.zeros((out.shape[1], 3), np.float32)
+    behind = np.zeros((out.shape[1], slots, 3), np.float32)
     for i in range(begin, end):
+        behind[:] = 0.0
         parts = 4 if surface.edge[i] >= 0 else 1
         for part in range(parts):
-            at, link = part_of(surface, i, part)
+            at = part_of(surface, i, part)[0]
             if surface.model[at] < 0 or surface.material[at] == hand:
                 continue
             if is_matt(surface.row[at]) and arriving.patterns.cosines > 0:
-                gather_even(surface, arriving, at, link, part, parts, none, even)
+                row = surface.row[at]
+                colour = (row[DIFFUSE], row[DIFFUSE + 1], row[DIFFUSE + 2])
+                gather_even(surface, arriving, i, part, colour, room, behind, even)
                 for c in range(3):
-                    out[i, :, c] += surface.row[at, DIFFUSE + c] * even[:, c]
+                    out[i, :, c] += colour[c] * even[:, c]
             else:
-                _reflect_rays(surface, arriving, at, link, part, parts, none, out[i])
+                _reflect_rays(surface, arriving, i, part, room, behind, out[i])
                 _reflect_lights(surface, arriving, at, parts, out[i, 0])
+        if slots > 0:
+            to_steps(behind, steps[i], unit[i])
 
 
 @njit(fastmath={"contract", "reassoc"})
-def _reflect_rays(surface, arriving, at, link, part, parts, none, out):
+def _reflect_rays(surface, arriving, i, part, room, behind, out):
+    at, link = part_of(surface, i, part)
+    parts, apart = (4 if surface.edge[i] >= 0 else 1), is_apart(surface, arriving, i)
+    matt, texture = vec(arriving.matt, surface.material[at]), vec(surface.texture, at)
+    colour = (matt[0] * texture[0], matt[1] * texture[1], matt[2] * texture[2])
     p, model = surface.row[at], surface.model[at]
     z, g = vec(surface.normal, at), vec(surface.geometric, at)
     s, t = tangents(z)
     wo = to_local(vec(surface.eye, at), s, t, z)
     pattern, patterns = pattern_of(link, arriving.width), arriving.patterns
-    sample, powers, beyond = arriving.sample[link], arriving.powers, arriving.beyond
+    sample = arriving.sample[link]
     for k in range(part, sample.shape[0], parts):
         wi, d = ray_of(patterns, pattern, k, wo, (s, t, z), g)
         if wi[2] <= 0.0:
             continue
-        came = came_along(powers, beyond, sample[k], d, none)
         weight = weight_of(patterns, wi, wo)
         f = evaluate(model, p, wi, wo)
+        less = 1.0 / math.pi if apart and is_gloss(arriving, sample[k]) else 0.0
+        own = (
+            weight * (f[0] - less * colour[0]),
+            weight * (f[1] - less * colour[1]),
+            weight * (f[2] - less * colour[2]),
+        )
+        came = came_apart(arriving, sample[k], d, k, own, room, behind)
         for n in range(out.shape[0]):
             for c in range(3):
-                out[n, c] += weight * f[c] * came[n, c]
+                out[n, c] += own[c] * came[n, c]
+    if apart:
+        add_apart(arriving, i, colour, colour, out, behind)
 
 
 @njit(fastmath={"contract", "reassoc"})

@@ -18,6 +18,10 @@ class Settings:
     bands: int = 64
     """J, elements that a lobe is a sum of as it is seen: 4 to 1024 (§3.1, Table II)."""
 
+    second_bands: int = 1
+    """The same for the bounce behind it: 4 to 64, or 1 for a matt one. Caustics need 16, mirrors
+    that show something glossy 8 (§4.3)."""
+
     basis: Literal["tents", "boxes"] = "tents"
     """What they are; the paper's are boxes. See `engine.brdf.curve_basis`."""
 
@@ -52,6 +56,7 @@ class Settings:
     def __post_init__(self) -> None:
         for name, low, high in (
             ("bands", 4, 1024),
+            ("second_bands", 1, 64),
             ("bounces", 0, 8),
             ("view_rays", 16, 4096),
             ("lobe_rays", 0, 1),
@@ -65,6 +70,10 @@ class Settings:
             value = getattr(self, name)
             if not low <= value <= high:
                 raise InputError(f"{value} is not between {low} and {high}", field=name)
+        if 1 < self.second_bands < 4:
+            raise InputError(
+                f"{self.second_bands} is neither 1 nor 4 or more", field="second_bands"
+            )
         if self.basis not in ("tents", "boxes"):
             raise InputError(f"{self.basis!r} is neither tents nor boxes", field="basis")
         try:

@@ -32,10 +32,10 @@ def document() -> dict[str, Any]:
         "lights": [],
         "materials": {
             "teapot": {
-                "type": "ggx",
+                "type": "cook_torrance",
                 "diffuse": (0.06, 0.25, 0.28),
                 "specular": (0.06, 0.06, 0.06),
-                "roughness": 0.2,
+                "roughness": 0.15,
             },
             "handles": {
                 "type": "blinn_phong",
