@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from engine.measure import (
     accuracy,
     accuracy_chart,
     contact_sheet,
+    editing_figures,
     factorisation_chart,
     figures,
     growth_chart,
@@ -37,6 +39,9 @@ from engine.measure.stage import Thing, knot, read_thing
 from engine.measure.sweep import REFERENCE_ERROR, sweep
 from engine.methods.base import Progress
 from engine.scene.mesh_files import FORMATS
+
+Makers = dict[int, Callable[[], contact_sheet.Sheet]]
+"""What makes a figure, by its number."""
 
 PAPERS_OWN = accuracy.METHOD  # the method whose paper has the tables and the figures
 
@@ -175,11 +180,26 @@ def _tables(asked: Asked, folder: Path, progress: Progress) -> list[Path]:
 
 
 def _figures(asked: Asked, folder: Path, progress: Progress) -> list[Path]:
-    asked.require_papers_own()
+    makers: Makers
+    if asked.methods == [editing_figures.METHOD]:
+        makers = _of_editing(asked, progress)
+    else:
+        asked.require_papers_own()
+        makers = _of_papers_own(asked, progress)
     for number in asked.figures:
-        if number not in figures.FIGURES:
-            known = ", ".join(map(str, figures.FIGURES))
+        if number not in makers:
+            known = ", ".join(map(str, makers))
             raise InputError(f"{number} is not made; there are {known}", field="figure")
+    return [
+        path
+        for number in asked.figures
+        for path in contact_sheet.write(makers[number](), folder, f"figure-{number}")
+    ]
+
+
+def _of_papers_own(
+    asked: Asked, progress: Progress
+) -> dict[int, Callable[[], contact_sheet.Sheet]]:
     shoot = figures.Shoot(
         asked.thing(),
         asked.pixels(figures.SIZE),
@@ -188,11 +208,20 @@ def _figures(asked: Asked, folder: Path, progress: Progress) -> list[Path]:
         reference_error=asked.error(figures.REFERENCE_ERROR),
         progress=progress,
     )
-    return [
-        path
-        for number in asked.figures
-        for path in contact_sheet.write(figures.FIGURES[number](shoot), folder, f"figure-{number}")
-    ]
+    return {number: partial(make, shoot) for number, make in figures.FIGURES.items()}
+
+
+def _of_editing(asked: Asked, progress: Progress) -> Makers:
+    if asked.scenes:
+        raise InputError("these figures are of the built-in scenes", field="SCENE")
+    usual = editing_figures.WIDTH
+    session = editing_figures.Session(
+        width=asked.pixels((usual, usual))[0],
+        fixed=asked.fixed,
+        reference_error=asked.error(editing_figures.REFERENCE_ERROR),
+        progress=progress,
+    )
+    return {number: partial(make, session) for number, make in editing_figures.FIGURES.items()}
 
 
 CHARTS: dict[str, Callable[[Asked, Path, Progress], list[Path]]] = {

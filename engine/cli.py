@@ -180,7 +180,10 @@ def chart(
     ] = False,
     figure: Annotated[
         list[int] | None,
-        typer.Option(help="instead: figure 6, 8, 10 or 11 of glossy_prt's paper, with references"),
+        typer.Option(
+            help="instead: figure 6, 8, 10 or 11 of glossy_prt's paper, with references, or with "
+            "--method brdf_editing 1, 4, 6, 7, 9, 11 or 12 of its paper"
+        ),
     ] = None,
     floor: Annotated[
         int | None, typer.Option(min=1, max=2048, help="cuts of the floor below a mesh file")
@@ -194,7 +197,8 @@ def chart(
 ) -> None:
     """Chart a method's speed against its accuracy over its settings, or something else instead.
 
-    --accuracy, --tables and --figure put the object of a mesh file, or a knot, on a matt floor.
+    --accuracy, --tables and --figure put the object of a mesh file, or a knot, on a matt floor;
+    figures of brdf_editing are of built-in scenes, and take the width of --size.
     """
     with needs_extra("chart"):
         from engine import charts

@@ -26,6 +26,7 @@ CEILING: Polygon = [(556, 548.8, 0), (556, 548.8, 559.2), (0, 548.8, 559.2), (0,
 BACK: Polygon = [(549.6, 0, 559.2), (0, 0, 559.2), (0, 548.8, 559.2), (556, 548.8, 559.2)]
 RIGHT: Polygon = [(0, 0, 559.2), (0, 0, 0), (0, 548.8, 0), (0, 548.8, 559.2)]
 LEFT: Polygon = [(552.8, 0, 0), (549.6, 0, 559.2), (556, 548.8, 559.2), (556, 548.8, 0)]
+APART = "back wall", "short block", "tall block"
 # The tops of the blocks, which stand on the floor.
 SHORT: Polygon = [(130, 165, 65), (82, 165, 225), (240, 165, 272), (290, 165, 114)]
 TALL: Polygon = [(423, 330, 247), (265, 330, 296), (314, 330, 456), (472, 330, 406)]
@@ -70,15 +71,17 @@ def document() -> dict[str, Any]:
             "white": {"type": "diffuse", "diffuse": WHITE},
             "red": {"type": "diffuse", "diffuse": RED},
             "green": {"type": "diffuse", "diffuse": GREEN},
+            # White as well, and each to be edited by itself.
+            **{name: {"type": "diffuse", "diffuse": WHITE} for name in APART},
         },
         "objects": [
             _object("floor", "white", [FLOOR]),
             _object("ceiling", "white", [CEILING]),
-            _object("back wall", "white", [BACK]),
+            _object("back wall", "back wall", [BACK]),
             _object("right wall", "green", [RIGHT]),
             _object("left wall", "red", [LEFT]),
-            _object("short block", "white", _block(SHORT)),
-            _object("tall block", "white", _block(TALL)),
+            _object("short block", "short block", _block(SHORT)),
+            _object("tall block", "tall block", _block(TALL)),
         ],
     }
 

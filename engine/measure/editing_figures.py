@@ -1,0 +1,310 @@
+"""Figures 1, 4, 6, 7, 9, 11 and 12 of `brdf_editing` (Ben-Artzi et al. 2008), with references.
+
+Each is a product of one of the built-in scenes, whose materials are edited as a person would, and
+the path tracer's picture of the edited scene.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.brdf import hemispherical_albedo
+from engine.measure.contact_sheet import Row, Sheet, difference, picture
+from engine.measure.document import finite, provenance
+from engine.measure.edges import scene_edges
+from engine.measure.machine import this_machine
+from engine.measure.metrics import auto_exposure, flip_ldr, relative_l2
+from engine.measure.settings import settings_from
+from engine.measure.truth import Truth, truth
+from engine.methods import METHODS, prepare
+from engine.methods.base import Progress, silent
+from engine.scene.edits import Edits, apply, edited_camera
+from engine.scene.open import open_scene
+from engine.scene.scene import Scene
+from engine.store import Store
+
+METHOD = "brdf_editing"
+WIDTH = 256  # of pictures, unless told otherwise
+FULL = 0.3  # part of the reference's mean at which the colours of a difference are full
+REFERENCE_ERROR = 0.03
+
+Image = NDArray[np.float32]
+Materials = Mapping[str, Mapping[str, Any]]
+
+GLOSSY_WALL = {
+    "type": "blinn_phong",
+    "diffuse": [0.25, 0.25, 0.25],
+    "specular": [0.5, 0.5, 0.5],
+    "exponent": 300,
+}
+YELLOW = {"diffuse": [0.75, 0.6, 0.08]}
+BOX: Materials = {"back wall": GLOSSY_WALL, "short block": YELLOW}
+GREEN_SOFA = {
+    "type": "blinn_phong",
+    "diffuse": [0.08, 0.32, 0.1],
+    "specular": [0.2, 0.2, 0.2],
+    "exponent": 40,
+}
+SHINY_BOARDS = {
+    "type": "blinn_phong",
+    "diffuse": [0.2, 0.11, 0.06],
+    "specular": [0.35, 0.35, 0.35],
+    "exponent": 250,
+}
+ROOM: Materials = {"sofa": GREEN_SOFA, "boards": SHINY_BOARDS}
+
+
+@dataclass(frozen=True)
+class Session:
+    """What all figures are made with.
+
+    width            of pictures, pixels; the height follows from the scene's camera
+    fixed            settings that hold where a figure does not set them
+    reference_error  relative L2 error that references are rendered to
+    store            where they and the products are kept
+    """
+
+    width: int = WIDTH
+    fixed: Mapping[str, Any] = field(default_factory=dict)
+    reference_error: float = REFERENCE_ERROR
+    store: Store = field(default_factory=Store)
+    progress: Progress = silent
+
+    def scene(self, name: str) -> Scene:
+        """A built-in scene in the size of the figures."""
+        scene = open_scene(name)
+        camera = scene.camera
+        size = {"width": self.width, "height": round(self.width * camera.height / camera.width)}
+        return scene.with_camera(edited_camera(camera, size))
+
+    def images(self, scene: Scene, edits: Sequence[Materials], **settings: Any) -> list[Image]:
+        """The method's pictures of the edited scene, one edit after the other in one sitting."""
+        chosen = settings_from(METHODS[METHOD].settings, {**self.fixed, **settings})
+        product = prepare(scene, METHOD, chosen, self.progress, store=self.store)
+        return [product.relight(_edits(each)).image for each in edits]
+
+    def truth(self, scene: Scene, edit: Materials, bounces: int | None = None) -> Truth:
+        """The reference of light that bounces so often behind the first, or to its end."""
+        limit = None if bounces is None else bounces + 1
+        return truth(
+            scene, _edits(edit), self.reference_error, self.store, self.progress, max_bounces=limit
+        )
+
+    def document(self, figure: int, scene: Scene, pictures: list[dict[str, Any]]) -> dict[str, Any]:
+        """The numbers of a figure."""
+        settings = settings_from(METHODS[METHOD].settings, self.fixed)
+        return finite(
+            {
+                **provenance(),
+                "machine": this_machine().as_dict(),
+                "method": METHOD,
+                "figure": figure,
+                "scene": scene.name,
+                "width": scene.camera.width,
+                "height": scene.camera.height,
+                "settings": asdict(settings),
+                "reference_error": self.reference_error,
+                "seed": settings.seed,
+                "pictures": pictures,
+            }
+        )
+
+
+def _edits(materials: Materials) -> Edits:
+    return Edits(materials={name: dict(change) for name, change in materials.items()})
+
+
+class Compared:
+    """Pictures of one edit beside their reference: two rows of a sheet, and their numbers."""
+
+    def __init__(self, session: Session, scene: Scene, reference: Truth, name: str) -> None:
+        self._reference, self._name = reference, name
+        self._kept = ~scene_edges(scene)
+        self._exposure = auto_exposure(reference.image)
+        self._shown: list[Any] = []
+        self._off: list[Any] = []
+        self.numbers: list[dict[str, Any]] = []
+
+    def add(self, image: Image, title: str) -> None:
+        """A picture of the method, and where it is off."""
+        truth, kept = self._reference, self._kept
+        off = relative_l2(image, truth.image, kept, truth.variance)
+        flip = flip_ldr(image, truth.image, kept, self._exposure)
+        self._shown.append(picture(image, self._exposure, title))
+        caption = f"{off:.1%} off, FLIP {flip:.3f}"
+        self._off.append(difference(image, truth.image, kept, FULL, caption))
+        self.numbers.append({"edit": self._name, "title": title, "relative_l2": off, "flip": flip})
+
+    def rows(self) -> list[Row]:
+        """The pictures and the reference, and below them what is off."""
+        reference = picture(self._reference.image, self._exposure, "path tracer")
+        return [Row(self._name, [*self._shown, reference]), Row("off by", [*self._off, None])]
+
+
+def _sheet(
+    session: Session, scene: Scene, figure: int, title: str, seen: str, parts: Sequence[Compared]
+) -> Sheet:
+    below = f"Below: red is too bright, blue too dark, full colour at {FULL:.0%} of the mean."
+    return Sheet(
+        f"{title} (the paper's figure {figure})",
+        f"{seen}\n{below}",
+        [row for part in parts for row in part.rows()],
+        session.document(figure, scene, [n for part in parts for n in part.numbers]),
+    )
+
+
+def room_session(session: Session) -> Sheet:
+    """Figure 1: the sofa and the floor of the room edited, and direct light alone."""
+    scene = session.scene("room")
+    edits: list[Materials] = [{}, ROOM]
+    full = session.images(scene, edits, bounces=2)
+    direct = session.images(scene, edits, bounces=0)
+    parts = []
+    for k, name in enumerate(("as it is", "green sofa, shiny floor")):
+        part = Compared(session, scene, session.truth(scene, edits[k]), name)
+        part.add(full[k], "(64, 1, 1)")
+        part.add(direct[k], "direct light alone")
+        parts.append(part)
+    return _sheet(
+        session, scene, 1, "Materials of a room",
+        "A sofa and a floor edited in one sitting. The reference has all light, the series three "
+        "bounces.", parts,
+    )  # fmt: skip
+
+
+def series(session: Session) -> Sheet:
+    """Figure 4: what each series of elements makes of a teapot on a shiny tray, two bounces."""
+    scene = session.scene("teatray")
+    part = Compared(session, scene, session.truth(scene, {}, bounces=1), "teatray")
+    for bands, second in ((128, 8), (16, 8), (128, 1)):
+        settings = {"bands": bands, "second_bands": second, "bounces": 1}
+        part.add(session.images(scene, [{}], **settings)[0], f"({bands}, {second})")
+    part.add(session.images(scene, [{}], bands=128, bounces=0)[0], "direct light alone")
+    return _sheet(
+        session, scene, 4, "Series of elements",
+        "Two bounces. The tray mirrors the teapot, and the teapot its spout and the tray: with a "
+        "matt second bounce it mirrors them matt.", [part],
+    )  # fmt: skip
+
+
+def box_edits(session: Session) -> Sheet:
+    """Figure 6: a block and the back wall of the Cornell box edited."""
+    scene = session.scene("cornell-box")
+    images = session.images(scene, [{}, BOX])
+    parts = []
+    for image, edit, name in zip(images, ({}, BOX), ("as it is", "glossy wall"), strict=True):
+        part = Compared(session, scene, session.truth(scene, edit), name)
+        part.add(image, "(64, 1, 1, 1)")
+        parts.append(part)
+    return _sheet(
+        session, scene, 6, "Edits of the Cornell box",
+        "The small block turns yellow, the back wall glossy: it mirrors the box, and the large "
+        "block takes the colour of the small one.", parts,
+    )  # fmt: skip
+
+
+def coarser(session: Session) -> Sheet:
+    """Figure 7: the glossy wall with matt indirect light, and with direct light alone."""
+    scene = session.scene("cornell-box")
+    matt = _matt(apply(scene, _edits(BOX)))
+    (full,) = session.images(scene, [BOX])
+    direct, matt_direct = session.images(scene, [BOX, matt], bounces=0)
+    (matt_all,) = session.images(scene, [matt])
+    part = Compared(session, scene, session.truth(scene, BOX), "glossy wall")
+    part.add(full, "(64, 1, 1, 1)")
+    part.add(direct + matt_all - matt_direct, "direct + matt indirect")
+    part.add(direct, "direct light alone")
+    return _sheet(
+        session, scene, 7, "Coarser ways",
+        "Where what the wall reflects of the box is taken as matt, it mirrors the lamp and "
+        "nothing else.", [part],
+    )  # fmt: skip
+
+
+def _matt(scene: Scene) -> Materials:
+    """Edits that make all materials matt, each as bright as it is."""
+    table = scene.material_table
+    albedo = hemispherical_albedo(table.model, table.row)
+    return {
+        name: {"type": "diffuse", "diffuse": np.clip(albedo[m], 0, 1).tolist()}
+        for m, name in enumerate(scene.material_names)
+    }
+
+
+def anisotropy(session: Session) -> Sheet:
+    """Figure 9: the highlight of the vase turned, and its Fresnel reflection made stronger."""
+    scene = session.scene("vase")
+    names = "as it is", "brushed the other way", "stronger Fresnel"
+    vase = scene.materials[scene.material_names.index("vase")].model_dump()
+    turned = {"exponent_u": vase["exponent_v"], "exponent_v": vase["exponent_u"]}
+    edits: list[Materials] = [
+        {},
+        {"vase": turned},
+        {"vase": {**turned, "specular": [0.04, 0.04, 0.04], "diffuse": [0.1, 0.13, 0.2]}},
+    ]
+    parts = []
+    for image, edit, name in zip(session.images(scene, edits), edits, names, strict=True):
+        part = Compared(session, scene, session.truth(scene, edit), name)
+        part.add(image, "(64, 1, 1, 1)")
+        parts.append(part)
+    return _sheet(
+        session, scene, 9, "Anisotropy and Fresnel",
+        "The exponents of the vase change places; then little is left of its reflectance at "
+        "normal incidence, and all of it towards the rim.", parts,
+    )  # fmt: skip
+
+
+def caustics(session: Session) -> Sheet:
+    """Figure 11: the caustic of a ring, sharp and wide, on a matt and on a glossy plane."""
+    scene = session.scene("ring")
+    wide = {"ring": {"roughness": 0.32}}
+    glossy = {"plane": {"specular": [0.3, 0.3, 0.3], "diffuse": [0.15, 0.15, 0.16]}}
+    edits: list[Materials] = [{}, wide, glossy]
+    names = "as it is", "a rougher ring", "a glossy plane"
+    images = session.images(scene, edits, second_bands=16, bounces=1)
+    matt = session.images(scene, edits, bounces=1)
+    parts = []
+    for k, name in enumerate(names):
+        part = Compared(session, scene, session.truth(scene, edits[k], bounces=1), name)
+        part.add(images[k], "(64, 16)")
+        part.add(matt[k], "(64, 1)")
+        parts.append(part)
+    return _sheet(
+        session, scene, 11, "Caustics",
+        "Two bounces. With a matt second one the ring throws no caustic, and mirrors no light of "
+        "its other side.", parts,
+    )  # fmt: skip
+
+
+def gloss_in_gloss(session: Session) -> Sheet:
+    """Figure 12: the room as it is, and with a floor and a sofa that mirror one another."""
+    scene = session.scene("room")
+    shiny: Materials = {"sofa": {**GREEN_SOFA, "exponent": 80}, "boards": SHINY_BOARDS}
+    edits: list[Materials] = [{}, shiny]
+    images, names = session.images(scene, edits, bounces=2), ("as it is", "exponents 80, 250")
+    parts = []
+    for image, edit, name in zip(images, edits, names, strict=True):
+        part = Compared(session, scene, session.truth(scene, edit, bounces=2), name)
+        part.add(image, "(64, 1, 1)")
+        parts.append(part)
+    return _sheet(
+        session, scene, 12, "Gloss in gloss",
+        "Three bounces. What is off is where light meets two glossy things or more.", parts,
+    )  # fmt: skip
+
+
+FIGURES: dict[int, Callable[[Session], Sheet]] = {
+    1: room_session,
+    4: series,
+    6: box_edits,
+    7: coarser,
+    9: anisotropy,
+    11: caustics,
+    12: gloss_in_gloss,
+}
+"""By their numbers in the paper."""
