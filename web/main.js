@@ -22,7 +22,7 @@ const context = canvas.getContext("2d", { alpha: false });
 const METHODS = {
   direct_to_indirect: ["Lights", "drag the lamps; the camera stands still"],
   glossy_prt: ["Camera and sky", "turn the view and the environment"],
-  brdf_editing: ["Materials", "change what things are made of; light and camera stand still"],
+  brdf_editing: ["Materials", "change what things are made of, and the lamps; the camera stands still"],
 };
 
 const state = new State();

@@ -9,6 +9,7 @@ export class Requests {
   #due = null;
   #timers = [];
   #fullTime = Infinity;
+  #edited = "";
   #final = null;
 
   // send({exposure, edits, scale, format, quality}, cause) hands the request on.
@@ -23,6 +24,9 @@ export class Requests {
     for (const timer of this.#timers) clearTimeout(timer);
     this.#timers = [];
     this.#final = null;
+    // How long something else in the hand takes is not known.
+    if (this.state.edited !== this.#edited) this.#fullTime = Infinity;
+    this.#edited = this.state.edited;
     const cause = window.event?.timeStamp ?? performance.now();
     if (moving) {
       this.#ask({ scale: this.#fullTime < QUICK_MS && !camera ? 1 : 2, quality: 80 }, cause);

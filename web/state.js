@@ -19,6 +19,7 @@ export class State {
     this.exposure = 0;
     this.method = "direct_to_indirect";
     this.selected = null;
+    this.edited = ""; // what the hand was at last
   }
 
   // Called as listener(what, moving): what is "scene", "lights", "environment", "materials",
@@ -66,6 +67,7 @@ export class State {
   // Replace some fields of a light. A sun light that stands where the sky has its sun is that sun:
   // whichever of the two the hand moves takes the other along.
   change(id, fields, moving = false) {
+    this.edited = id;
     const old = this.light(id);
     const sun = old?.type === "sun" && fields.direction ? skySun(this.environment) : null;
     this.lights = this.lights.map((light) => (light.id === id ? { ...light, ...fields } : light));
@@ -97,6 +99,8 @@ export class State {
 
   // Materials in the hand, whole ones by name, for a method that takes them.
   setMaterialEdits(materials, moving = false) {
+    const names = Object.keys({ ...this.materialEdits, ...materials });
+    this.edited = names.filter((name) => !same(this.materialEdits[name], materials[name])).join();
     this.materialEdits = materials;
     this.#tell("materialEdits", moving);
   }

@@ -60,7 +60,7 @@ SWEEPS: dict[str, dict[str, tuple[Any, ...]]] = {
 }
 """Per method: the settings to sweep and their values."""
 
-JUDGED_ON = "lights", "materials", "environment"
+JUDGED_ON = "materials", "lights", "environment"
 REPEATS = 9
 NEW_VIEW = "new view"  # a part of `Point.parts`
 STEP = 1e-3  # of the scene's size

@@ -110,7 +110,7 @@ class Method:
 EDITS = {
     "glossy_prt": frozenset({"camera", "environment"}),
     "direct_to_indirect": frozenset({"lights", "environment"}),
-    "brdf_editing": frozenset({"materials"}),
+    "brdf_editing": frozenset({"materials", "lights"}),
     "wavelet_brdf": frozenset({"camera", "lights"}),
 }
 

@@ -22,6 +22,9 @@ material are made of (`engine.brdf.layers`, `curve_basis`). A frame is these sum
 | d_m, e_j | `equivalent_albedo.shares` |
 | T^N_jz | `links`, `light_seen` and `CloudLight`, never multiplied out |
 | F^i_jn, V^i_n | `fold.fold`, `reflect.reflect` |
+| a second bounce with J of its own, §4.3 | `second`, `second_tables`, `interleaved` |
+
+Past the paper lights may be edited too, see `lighting`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -15,11 +15,12 @@ from engine.methods.brdf_editing.arriving import Apart, Arriving
 from engine.methods.brdf_editing.fold import Folded, Slots, fold
 from engine.methods.brdf_editing.interleaved import shared
 from engine.methods.brdf_editing.light_seen import shining
+from engine.methods.brdf_editing.lighting import Lighting
 from engine.methods.brdf_editing.limits import Limits, limits_of
 from engine.methods.brdf_editing.patterns import patterns
 from engine.methods.brdf_editing.places import Places
 from engine.methods.brdf_editing.polynomial import CloudLight, Later
-from engine.methods.brdf_editing.reflect import direct_of, reflect
+from engine.methods.brdf_editing.reflect import reflect
 from engine.methods.brdf_editing.second_tables import (
     Incoming,
     SecondRays,
@@ -28,7 +29,6 @@ from engine.methods.brdf_editing.second_tables import (
 )
 from engine.methods.brdf_editing.settings import Settings
 from engine.methods.fixed_view.cloud import GatherCloud
-from engine.methods.fixed_view.direct import light_on_points
 from engine.methods.fixed_view.environment_light import EnvironmentLight
 from engine.methods.fixed_view.rows import PackedRows
 from engine.methods.fixed_view.view import View
@@ -60,6 +60,8 @@ class Hand:
 
     material  its number, -1 for none
     table     all materials as they were when it was taken
+    lights    as they were then
+    scale     1 for all pixels, 2 for every second one of every second row
     pixels    (m,) int32   that show it
     folded    F of those
     others    (n, deg + 1, 3) float32   V of all pixels
@@ -69,15 +71,23 @@ class Hand:
 
     material: int
     table: MaterialTable
+    lights: tuple[Light, ...]
+    scale: int
     pixels: NDArray[np.int32]
     folded: Folded
     others: NDArray[np.float32]
     behind: Folded
     limits: Limits
 
-    def holds(self, table: MaterialTable, changed: NDArray[np.intp]) -> bool:
-        """Whether frames of a table, in which those materials have changed, can be made with it."""
-        m = self.material
+    def changed(self, table: MaterialTable) -> NDArray[np.intp]:
+        """Which materials of a table are others."""
+        return changed_materials(self.table, table)
+
+    def holds(self, table: MaterialTable, lights: tuple[Light, ...]) -> bool:
+        """Whether frames of a table under lights can be made with it."""
+        m, changed = self.material, self.changed(table)
+        if lights != self.lights:
+            return False
         if len(changed) == 0:
             return True
         layers = LAYERS[table.model[m]]
@@ -89,6 +99,12 @@ class Hand:
         )
 
 
+def changed_materials(before: MaterialTable, after: MaterialTable) -> NDArray[np.intp]:
+    """Which materials of two tables of a scene differ."""
+    differs = (after.row != before.row).any(axis=1) | (after.model != before.model)
+    return np.flatnonzero(differs)
+
+
 class Freezer:
     """Takes materials of a scene in hand."""
 
@@ -98,23 +114,29 @@ class Freezer:
         scene = self._scene = view.scene
         self._settings, self._cloud, self._second = settings, cloud, transport.second
         self._within = CloudLight(cloud, transport.bounce)
-        self._first = self._irradiance(transport)
+        self._environment = self._irradiance(transport)
         lit = scene.environment is not None
         beyond = transport.environment.radiance if lit else np.zeros((0, 3), np.float32)
         self._points = Places(view, scene.material_table)
-        lights = shining(transport.lights)
-        direct = direct_of(self._points.surface(scene.material_table), lights, transport.seen)
+        self._suns = transport.lights[len(scene.lights) :]
+        behind = transport.second.seen if transport.second is not None else None
+        self._lighting = Lighting(
+            view, self._points, cloud, transport.lights, transport.seen, behind
+        )
+        lights = shining([])
         no_light = np.zeros((0, 1, 3), np.float32)
         self._arriving = Arriving(
             patterns(settings), scene.camera.width, transport.sample, no_light,
             no_second(cloud, lights), Apart(no_light, no_light[None]), no_light[:, 0], beyond,
-            lights, transport.seen, direct,
+            lights, np.zeros((0, 0), np.uint64), no_light[:, 0],
         )  # fmt: skip
         self._texture = self._cloud_texture()
 
-    def __call__(self, material: int, table: MaterialTable) -> Hand:
-        """A material of a table in hand, -1 for none."""
-        s = self._settings
+    def __call__(
+        self, material: int, table: MaterialTable, lights: tuple[Light, ...], scale: int
+    ) -> Hand:
+        """A material of a table in hand, -1 for none, under lights of the scene."""
+        s, lit = self._settings, self._lighting.of((*lights, *self._suns), scale)
         matt, gloss = albedos = albedos_of(table, s)
         of = self._cloud.points.material
         albedo = (self._texture * matt[of] + gloss[of]).astype(np.float32)
@@ -124,19 +146,20 @@ class Freezer:
         share = np.where(whole > 0, albedo / np.maximum(whole, 1e-6), 1).astype(np.float32)
         edited = np.where(mine[:, None], share, 0).astype(np.float32)
         fixed = np.where(mine[:, None], 0, albedo).astype(np.float32)
-        later, sent = self._within.powers(self._first, fixed, edited, s.bounces)
+        later, sent = self._within.powers(self._environment + lit.first, fixed, edited, s.bounces)
         if material < 0:
             later = Later(*(np.ascontiguousarray(a[:, :1]) for a in later))
         surface = self._points.surface(table)
-        arriving = self._arriving._replace(powers=later.radiance)
+        arriving = self._arriving._replace(
+            powers=later.radiance, lights=lit.lights, seen=lit.seen, direct=lit.direct
+        )
         if self._second is not None and s.bounces:
             came = Incoming(
                 later, (self._texture * matt[of]).astype(np.float32), self._texture,
                 (matt + gloss)[material], arriving.beyond,
             )  # fmt: skip
-            second = second_bounce(
-                self._cloud, self._second, table, material, came, arriving.lights, s
-            )
+            rays = self._second._replace(seen=lit.second)
+            second = second_bounce(self._cloud, rays, table, material, came, lit.lights, s)
             arriving = arriving._replace(second=second, matt=_even_albedos(table))
             arriving = arriving._replace(apart=shared(surface, arriving, material))
         slots, pixels = Slots(0, 0, s.bands, s.basis == "tents"), np.zeros(0, np.int32)
@@ -144,14 +167,14 @@ class Freezer:
             layers = LAYERS[table.model[material]]
             assert layers is not None
             slots = slots._replace(constants=layers.constants, curves=layers.curves)
-            pixels = self._points.showing(material)
+            pixels = self._points.showing(material, scale)
         folded = fold(surface, arriving, pixels, material, slots)
         limits = limits_of(
             self._scene.material_names, table, material, s, albedos, of, surface,
             arriving, sent,
         )  # fmt: skip
-        others, behind = reflect(surface, arriving, material)
-        return Hand(material, table, pixels, folded, others, behind, limits)
+        others, behind = reflect(surface, arriving, material, self._points.pixels(scale))
+        return Hand(material, table, lights, scale, pixels, folded, others, behind, limits)
 
     def _cloud_texture(self) -> NDArray[np.float32]:
         """(n_g, 3): what textures make of the diffuse part of gather samples' albedos."""
@@ -162,18 +185,10 @@ class Freezer:
         return np.where(textured, np.maximum(found, 0), 1).astype(np.float32)
 
     def _irradiance(self, transport: Transport) -> NDArray[np.float32]:
-        """(n_g, 3): what the lights and the environment send to the cloud."""
-        scene, cloud = self._scene, self._cloud
-        row = cloud.points.row.copy()
-        row[:, :3] = 1
-        white = replace(cloud.points, row=row)
-        first = np.zeros((len(cloud), 3), np.float32)
-        if scene.environment is not None:
-            first += transport.environment.gather
-        for light in transport.lights:
-            if light.enabled:
-                first += light_on_points(scene.rays, white, light)
-        return first * np.float32(np.pi)
+        """(n_g, 3): what the environment sends to the cloud, but for its suns."""
+        if self._scene.environment is None:
+            return np.zeros((len(self._cloud), 3), np.float32)
+        return transport.environment.gather * np.float32(np.pi)
 
 
 def _even_albedos(table: MaterialTable) -> NDArray[np.float32]:

@@ -1,4 +1,4 @@
-"""Which parts of the scene's lights each view sample sees: lights stand, so it is found once.
+"""Which parts of the scene's lights each view sample sees: found once, while they stand.
 
 A light with extent is 64 points in a grid, and what a view sample sees of it 64 bits.
 """
@@ -42,13 +42,13 @@ class Shining(NamedTuple):
     place: NDArray[np.float64]
 
 
-def shining(all_lights: Sequence[Light]) -> Shining:
-    """Those of the lights that are on."""
+def shining(all_lights: Sequence[Light], most: int = MOST) -> Shining:
+    """Those of the lights that are on, with at most so many points each."""
     table: LightTable = light_table(all_lights)
     count = np.zeros(len(table.kind), np.int32)
     place = np.zeros((len(table.kind), MOST, 2))
     for q, light in enumerate(light for light in all_lights if light.enabled):
-        samples = light_samples(light, MOST)[0]
+        samples = light_samples(light, most)[0]
         count[q] = len(samples)
         place[q, : len(samples)] = samples
     return Shining(table.kind, table.row, table.texels, count, place)

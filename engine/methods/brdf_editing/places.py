@@ -30,6 +30,9 @@ class Places:
         edge = np.full(count, -1, np.int32)
         edge[buffer.edge] = np.arange(len(buffer.edge), dtype=np.int32)
         material, row = joined("material"), joined("row")
+        camera = view.scene.camera
+        grid = np.arange(count, dtype=np.int32).reshape(camera.height, camera.width)
+        self._pixels = {1: grid.ravel(), 2: np.ascontiguousarray(grid[::2, ::2]).ravel()}
         self._there: NDArray[np.bool_] = material >= 0
         self._grain = row[:, GRAIN:]
         constant = table.row[material, :TEXTURED]
@@ -51,11 +54,16 @@ class Places:
         model = np.where(self._there, table.model[material], -1).astype(np.int32)
         return self._surface._replace(model=model, row=row)
 
-    def showing(self, material: int) -> NDArray[np.int32]:
-        """(m,) int32: the pixels that show a material, wholly or in part."""
+    def pixels(self, scale: int) -> NDArray[np.int32]:
+        """(k,): every scale-th pixel of every scale-th row; scale 1 or 2."""
+        return self._pixels[scale]
+
+    def showing(self, material: int, scale: int) -> NDArray[np.int32]:
+        """(m,) int32: the pixels of those that show a material, wholly or in part."""
         edge = self._surface.edge
         mine = self._surface.material == material
         whole = mine[: len(edge)] & (edge < 0)
         part = mine[len(edge) :].reshape(-1, 4).any(axis=1)
         whole[edge >= 0] = part[edge[edge >= 0]]
-        return np.flatnonzero(whole).astype(np.int32)
+        every = self._pixels[scale]
+        return every[whole[every]]

@@ -11,15 +11,16 @@ from engine.brdf.curve_basis import coefficients
 from engine.brdf.equivalent_albedo import shares
 from engine.brdf.layers import LAYERS
 from engine.errors import EditNotSupported
+from engine.light.base import Light
 from engine.methods.base import Frame, MaterialFit, require_supported
 from engine.methods.brdf_editing.evaluate import evaluate
-from engine.methods.brdf_editing.hand import Freezer, Hand, Transport
+from engine.methods.brdf_editing.hand import Freezer, Hand, Transport, changed_materials
 from engine.methods.brdf_editing.limits import warnings
 from engine.methods.brdf_editing.settings import Settings
 from engine.methods.clock import Clock
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.view import View
-from engine.scene.edits import Edits, edited_materials
+from engine.scene.edits import Edits, edited_lights, edited_materials
 from engine.scene.scene import MaterialTable
 from engine.scene.tables import changed_table
 
@@ -72,12 +73,15 @@ class Polynomial:
         scene, clock = self.view.scene, Clock()
         materials = edited_materials(scene, edits.materials)
         table = changed_table(scene.material_table, materials)
+        lights = scene.lights
+        if edits.lights:
+            lights = edited_lights(lights, edits.lights, scene.folder)
         with clock("freeze"):
-            hand = self._take(table)
+            hand = self._take(table, lights, scale)
         with clock("evaluate"):
             image = self._evaluate(hand, table, scale)
         with clock("sources"):
-            self.view.add_sources(image, scene.lights, scale, scene.environment)
+            self.view.add_sources(image, lights, scale, scene.environment)
         with clock("limits"):
             said = warnings(hand.limits, hand.material, table, self._settings)
         height, width = self.view.shape(scale)
@@ -101,20 +105,24 @@ class Polynomial:
         )  # fmt: skip
         return np.ascontiguousarray(self.view.every(image, scale))
 
-    def _take(self, table: MaterialTable) -> Hand:
-        """The hand that holds what differs in the table; another one where it has to be."""
-        hand = self._hand
-        before = hand.table if hand is not None else self.view.scene.material_table
+    def _take(self, table: MaterialTable, lights: tuple[Light, ...], scale: int) -> Hand:
+        """The hand that holds what differs; another one where it has to be.
+
+        While the hand moves it is one of a quarter of the pixels, and so is there at once.
+        """
         self._require_editable(table)
-        changed = np.flatnonzero(
-            (table.row != before.row).any(axis=1) | (table.model != before.model)
-        )
-        if hand is not None and hand.holds(table, changed):
+        hand = self._hand
+        if hand is not None and hand.scale in (1, scale) and hand.holds(table, lights):
             return hand
-        others = [m for m in changed if hand is None or m != hand.material]
-        material = int((*changed, *others)[-1]) if len(changed) else self._most_seen()
+        if hand is None:
+            changed = changed_materials(self.view.scene.material_table, table)
+            last = self._most_seen()
+        else:
+            changed, last = hand.changed(table), hand.material
+        others = [m for m in changed if m != last]
+        material = int((last, *changed, *others)[-1])
         self._hand = None  # its arrays make room for the new ones
-        self._hand = self._freeze(material, table)
+        self._hand = self._freeze(material, table, lights, scale)
         return self._hand
 
     def _most_seen(self) -> int:

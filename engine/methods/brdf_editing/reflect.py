@@ -32,8 +32,12 @@ from engine.numerics.vec import dot, vec
 evaluate = brdfs.evaluate
 
 
-def reflect(surface: Surface, arriving: Arriving, hand: int) -> tuple[NDArray[np.float32], Folded]:
-    """V of all n pixels, for what they show of other materials: (n, deg + 1, 3) float32.
+def reflect(
+    surface: Surface, arriving: Arriving, hand: int, pixels: NDArray[np.int32]
+) -> tuple[NDArray[np.float32], Folded]:
+    """V of n pixels, for what they show of other materials: (n, deg + 1, 3) float32.
+
+    It is found for `pixels`, and 0 for others.
 
     And F of the coefficients that the second bounce has of the material in hand, see `second`.
     """
@@ -43,17 +47,20 @@ def reflect(surface: Surface, arriving: Arriving, hand: int) -> tuple[NDArray[np
         np.zeros((n if slots else 0, degrees, 3, slots), np.int16),
         np.zeros((n if slots else 0, degrees), np.float32),
     )
-    for_ranges(_reflect, n, surface, arriving, hand, slots, out, *behind, grain=64)
+    for_ranges(
+        _reflect, len(pixels), surface, arriving, hand, pixels, slots, out, *behind, grain=64
+    )
     return out, behind
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _reflect(begin, end, surface, arriving, hand, slots, out, steps, unit):
+def _reflect(begin, end, surface, arriving, hand, pixels, slots, out, steps, unit):
     surface, arriving = borrow(surface), borrow(arriving)
     room = np.zeros((out.shape[1], 3), np.float32)
     even = np.zeros((out.shape[1], 3), np.float32)
     behind = np.zeros((out.shape[1], slots, 3), np.float32)
-    for i in range(begin, end):
+    for q in range(begin, end):
+        i = pixels[q]
         behind[:] = 0.0
         parts = 4 if surface.edge[i] >= 0 else 1
         for part in range(parts):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from engine.errors import EditNotSupported
 from engine.measure.edges import scene_edges
 from engine.methods import prepare
-from engine.methods.brdf_editing import Polynomial, Settings
+from engine.methods.brdf_editing import Polynomial
 from engine.reference import render
 from engine.scene.edits import Edits, apply
 from engine.scene.scene import Scene
@@ -26,18 +26,6 @@ LAMP = {
     "id": "lamp", "type": "area", "position": [0, 0.95, 0], "target": [0, 0, 0], "up": [0, 0, 1],
     "width": 0.5, "height": 0.5, "intensity": [8, 7, 6],
 }  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def make(tmp_path_factory: pytest.TempPathFactory) -> Make:
-    """make(scene, **settings): its product, in a store of this module's own."""
-    store = Store(tmp_path_factory.mktemp("store"))
-
-    def product(of: Scene, **settings: Any) -> Polynomial:
-        fields = {"gather_samples": 1024, "view_rays": 512, **settings}
-        return prepare(of, "brdf_editing", Settings(**fields), store=store)  # type: ignore[return-value]
-
-    return product
 
 
 def corner(**fields: Any) -> Scene:

@@ -27,7 +27,7 @@ SUN = {"id": "sun", "type": "sun", "direction": [0.6, -1, 0], "diameter_degrees"
 
 @pytest.fixture(scope="module")
 def make(tmp_path_factory: pytest.TempPathFactory) -> Make:
-    """make(scene, **settings): its product, in a store of this module's own."""
+    """The same as that of all, with settings for two bounces."""
     store = Store(tmp_path_factory.mktemp("store"))
 
     def product(of: Scene, **settings: Any) -> Polynomial:
