@@ -17,6 +17,8 @@ const MADE = {
 const PHASES = {
   bounce: "bounces between surfaces, step 1 of 2,",
   final: "light from surfaces to the picture, step 2 of 2,",
+  links: "what the picture's surfaces see of others",
+  shadows: "which parts of the lamps they see",
 };
 // Of those that end in the number of a pass and of a material.
 const NUMBERED = { direct: "direct light", bounce: "bounces" };

@@ -13,7 +13,7 @@ from engine.measure.document import finite, provenance
 from engine.measure.fresh import fresh
 from engine.measure.machine import this_machine
 from engine.measure.material_edits import held_out_materials
-from engine.measure.probes import held_out_views
+from engine.measure.probes import held_out_edits, held_out_views
 from engine.measure.settings import settings_from
 from engine.measure.sweep import STEP, judged_on, time_frames
 from engine.measure.timing import repeat
@@ -107,7 +107,7 @@ def _bench_scene(
             _, viewing, _ = time_frames(product, views, REPEATS, STEP * scene.diagonal)
             by_light["the camera moved"] = viewing.median
         if "materials" in METHODS[method].edits:
-            by_light["another material taken in hand"] = _switch(product, edits)
+            by_light |= _sitting(product, scene, edits)
         rate = product_rate(product)
         against = {}
         if against_rivals:
@@ -152,9 +152,24 @@ def _bench_scene(
     }
 
 
-def _switch(product: Polynomial, edits: Sequence[Edits]) -> float:
-    """Median seconds of the first frame of each edit, which takes another material in hand."""
-    return float(np.median([product.relight(edit).timings["total"] for edit in edits]))
+def _sitting(product: Polynomial, scene: Scene, edits: Sequence[Edits]) -> dict[str, float]:
+    """Median seconds of what folds anew: another material in hand, and a moved light.
+
+    In small pictures, as while the hand moves, and in whole ones, when it rests.
+    """
+    found = {}
+    moves = [e.model_copy(update={"materials": edits[0].materials}) for e in _moves(scene)]
+    for what, some in (("another material in hand", edits), ("a light moved", moves)):
+        if not some:
+            continue
+        for scale, size in ((2, ", small picture"), (1, "")):
+            took = [product.relight(edit, scale=scale).timings["total"] for edit in some]
+            found[what + size] = float(np.median(took))
+    return found
+
+
+def _moves(scene: Scene) -> list[Edits]:
+    return held_out_edits(scene, EDITS, seed=1) if scene.lights else []
 
 
 def _by_light(edits: Sequence[Edits], seconds: Sequence[float]) -> dict[str, float]:

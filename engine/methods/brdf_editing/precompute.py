@@ -34,7 +34,7 @@ from engine.methods.fixed_view.view import View
 from engine.scene.scene import Scene
 from engine.store import Store
 
-VERSION = 1  # of the stored arrays and of what they mean
+VERSION = 2  # of the stored arrays and of what they mean
 AT_RUN_TIME = ("bands", "second_bands", "basis", "bounces")
 POINTS = 16384  # of a chunk of `light_seen`
 
@@ -58,12 +58,16 @@ def precompute(
 
         lit is a digest of the lights that they depend on.
         """
-        stored = entry.read(name)
+
+        def told(_: str, done: float, total: float) -> None:
+            progress(name, done, total)
+
+        stored = entry.read(name + lit)
         if stored is not None:
             return dict(stored.arrays)
         make, chunks = job()
-        arrays = run_chunks(make, chunks, name, parts, executor, progress)
-        entry.write(name, arrays, {})
+        arrays = run_chunks(make, chunks, name + lit, parts, executor, told)
+        entry.write(name + lit, arrays, {})
         return arrays
 
     bounce = made("bounce", lambda: _bounces(scene, settings, cloud))
@@ -78,14 +82,14 @@ def precompute(
     digest = hashlib.blake2b(digest_size=8)
     digest.update("\n".join(light.model_dump_json() for light in lights).encode())
     # Other lights are looked for anew.
-    of, on = digest.hexdigest(), shining(lights)
-    buffer = view.buffer
-    seen = made(f"seen-{of}", lambda: _seen(scene, (buffer.centre, buffer.sub), on))["seen"]
+    lit, on = f"-{digest.hexdigest()}", shining(lights)
+    pixels = (view.buffer.centre, view.buffer.sub)
+    seen = made("shadows", lambda: _seen(scene, pixels, on), lit)["seen"]
     second = None
     if settings.second_bands > 1:
         met = made("second-links", lambda: _second_links(scene, cloud))["sample"]
-        known = made(f"second-seen-{of}", lambda: _seen(scene, (cloud.points,), on))["seen"]
-        second = SecondRays(met, known)
+        of_cloud = made("second-shadows", lambda: _seen(scene, (cloud.points,), on), lit)["seen"]
+        second = SecondRays(met, of_cloud)
     parts.remove()
     rows = PackedRows(*(bounce[name] for name in PackedRows._fields))
     transport = Transport(rows, sample, seen, lights, environment, second)
