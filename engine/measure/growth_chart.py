@@ -80,16 +80,23 @@ def draw(document: dict[str, Any]) -> Figure:
     for line in lines.values():
         line.sort(key=lambda p: p["size"])
     costs = COSTS[document["method"]]
-    figure = Figure(figsize=(2.3 * len(lines) + 0.8, 8.4), layout="constrained")
-    grid = figure.subplots(len(costs), len(lines), sharex="col", sharey="row", squeeze=False)
+    if len(lines) == 1:  # side by side
+        figure = Figure(figsize=(2.4 * len(costs), 2.9), layout="constrained")
+        grid = figure.subplots(1, len(costs), squeeze=False).T
+        ends = grid
+    else:
+        figure = Figure(figsize=(2.3 * len(lines) + 0.8, 8.4), layout="constrained")
+        grid = figure.subplots(len(costs), len(lines), sharex="col", sharey="row", squeeze=False)
+        ends = grid[-1:]
     for row, (cost, of) in zip(grid, costs.items(), strict=True):
         for number, (axes, line) in enumerate(zip(row, lines.values(), strict=True)):
             size = [p["size"] for p in line]
             _draw_line(axes, size, [of(p) for p in line], number)
             if axes is row[0]:
                 axes.set_ylabel(cost)
-    for axes, name in zip(grid[-1], lines, strict=True):
-        axes.set_xlabel(name.replace("_", " "))
+    for row in ends:
+        for axes, name in zip(row, lines, strict=True):
+            axes.set_xlabel(name.replace("_", " "))
     title = f"how cost grows: {TITLE.format(**document)}"
     figure.suptitle(title, fontsize=11, x=0.01, ha="left")
     caption = f"the number at a panel is the power with which it grows; {machine_caption(document)}"
