@@ -25,6 +25,7 @@ from engine.measure import (
     accuracy_chart,
     contact_sheet,
     editing_figures,
+    editing_session,
     factorisation_chart,
     figures,
     growth_chart,
@@ -181,7 +182,7 @@ def _tables(asked: Asked, folder: Path, progress: Progress) -> list[Path]:
 
 def _figures(asked: Asked, folder: Path, progress: Progress) -> list[Path]:
     makers: Makers
-    if asked.methods == [editing_figures.METHOD]:
+    if asked.methods == [editing_session.METHOD]:
         makers = _of_editing(asked, progress)
     else:
         asked.require_papers_own()
@@ -214,11 +215,11 @@ def _of_papers_own(
 def _of_editing(asked: Asked, progress: Progress) -> Makers:
     if asked.scenes:
         raise InputError("these figures are of the built-in scenes", field="SCENE")
-    usual = editing_figures.WIDTH
-    session = editing_figures.Session(
+    usual = editing_session.WIDTH
+    session = editing_session.Session(
         width=asked.pixels((usual, usual))[0],
         fixed=asked.fixed,
-        reference_error=asked.error(editing_figures.REFERENCE_ERROR),
+        reference_error=asked.error(editing_session.REFERENCE_ERROR),
         progress=progress,
     )
     return {number: partial(make, session) for number, make in editing_figures.FIGURES.items()}

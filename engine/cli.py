@@ -180,10 +180,7 @@ def chart(
     ] = False,
     figure: Annotated[
         list[int] | None,
-        typer.Option(
-            help="instead: figure 6, 8, 10 or 11 of glossy_prt's paper, with references, or with "
-            "--method brdf_editing 1, 4, 6, 7, 9, 11 or 12 of its paper"
-        ),
+        typer.Option(help="instead: figures of the paper of glossy_prt, or of --method's"),
     ] = None,
     floor: Annotated[
         int | None, typer.Option(min=1, max=2048, help="cuts of the floor below a mesh file")

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from engine.measure.editing_figures import FIGURES, Session
+from engine.measure.editing_figures import FIGURES
+from engine.measure.editing_session import Session
 from engine.store import Store
 
 FIXED = {"gather_samples": 4096, "view_rays": 128}
