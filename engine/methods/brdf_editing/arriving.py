@@ -12,7 +12,7 @@ from engine.light import table as lights
 from engine.light.environment_samples import DEPTH
 from engine.methods.brdf_editing.light_seen import Shining
 from engine.methods.brdf_editing.links import BEYOND
-from engine.methods.brdf_editing.patterns import Patterns, pattern_of
+from engine.methods.brdf_editing.patterns import Patterns
 from engine.methods.brdf_editing.second import (
     FROZEN,
     HAND,
@@ -22,21 +22,20 @@ from engine.methods.brdf_editing.second import (
     sent,
     sent_to_itself,
 )
-from engine.numerics.frames import tangents, to_world
 from engine.numerics.octahedron import cell as cell_of
-from engine.numerics.vec import dot, vec
+from engine.numerics.vec import vec
 
 illuminate = lights.illuminate
 
 
-class Apart(NamedTuple):
-    """What gloss sends to the matt part of n pixels that are not at edges, see `interleaved`.
+class Even(NamedTuple):
+    """What the rays of n pixels that follow the cosine bring, over π the irradiance.
 
-    even    (n, deg + 1, 3) float32   over π the irradiance; n = 0 where nothing is kept apart
-    behind  (n, deg + 1, slots, 3)    the same of coefficients in hand
+    light   (n, deg + 1, 3) float32
+    behind  (n, deg + 1, slots, 3) float32   of coefficients that the second bounce has in hand
     """
 
-    even: NDArray[np.float32]
+    light: NDArray[np.float32]
     behind: NDArray[np.float32]
 
 
@@ -47,7 +46,7 @@ class Arriving(NamedTuple):
     sample            (n, N) uint16 what they meet
     powers            (n_g, deg + 1, 3) float32
     second            what samples with gloss send
-    apart             what they send along the even rays of pixels
+    even              what matt surfaces receive, see `interleaved`
     matt              (materials, 3) float32 albedo of what is matt of them, -1 where nothing is
     beyond            (4^DEPTH, 3) float32 radiance of the environment; (0, 3) for none
     lights            those that shine
@@ -60,7 +59,7 @@ class Arriving(NamedTuple):
     sample: NDArray[np.uint16]
     powers: NDArray[np.float32]
     second: Second
-    apart: Apart
+    even: Even
     matt: NDArray[np.float32]
     beyond: NDArray[np.float32]
     lights: Shining
@@ -100,20 +99,7 @@ def part_of(surface, i, part):
     return surface.edge.shape[0] + 4 * e + part, surface.donor[4 * e + part]
 
 
-@njit
-def is_apart(surface, arriving, i):
-    """Whether what gloss sends to the matt part of pixel i is kept apart."""
-    even = arriving.apart.even.shape[0] > 0 and surface.edge[i] < 0
-    return even and arriving.matt[surface.material[i], 0] >= 0.0
-
-
-@njit
-def is_gloss(arriving, sample):
-    """Whether what a ray meets sends other light in other directions."""
-    return sample != BEYOND and arriving.second.kind[sample] != MATT
-
-
-@njit
+@njit(inline="always")
 def came_along(arriving, sample, d, k, room):
     """Radiance along ray k of direction d, (deg + 1, 3), written into `room` where it is not kept.
 
@@ -133,7 +119,7 @@ def came_along(arriving, sample, d, k, room):
     return room
 
 
-@njit
+@njit(inline="always")
 def came_apart(arriving, sample, d, k, weight, room, behind):
     """The same for a pixel of a material that is not in hand.
 
@@ -148,50 +134,16 @@ def came_apart(arriving, sample, d, k, weight, room, behind):
     return room
 
 
-@njit(fastmath={"contract", "reassoc"})
-def gather_even(surface, arriving, i, part, colour, room, behind, total):
-    """Fill total (deg + 1, 3) with the irradiance of a part of pixel i, over π.
-
-    The rays that follow the cosine count alike, so that no direction need be known but of those
-    that leave the scene, or meet gloss. colour and behind as in `came_apart`.
-    """
-    at, link = part_of(surface, i, part)
-    parts, apart = (4 if surface.edge[i] >= 0 else 1), is_apart(surface, arriving, i)
-    cosines, sample, powers = arriving.patterns.cosines, arriving.sample[link], arriving.powers
-    share = np.float32(1.0 / cosines)
-    weight = (share * colour[0], share * colour[1], share * colour[2])
-    total[:] = 0.0
-    z, g = vec(surface.normal, at), vec(surface.geometric, at)
-    s, t = tangents(z)
-    pattern = pattern_of(link, arriving.width)
-    for k in range(part, cosines, parts):
-        y = sample[k]
-        if y != BEYOND and not is_gloss(arriving, y):
-            came = powers[y]
-        elif apart and is_gloss(arriving, y):
-            continue
-        else:
-            d = to_world(vec(arriving.patterns.local[pattern], k), s, t, z)
-            if dot(d, g) <= 0.0 or (y == BEYOND and arriving.beyond.shape[0] == 0):
-                continue
-            came = came_apart(arriving, y, d, k, weight, room, behind)
-        for n in range(total.shape[0]):
-            for c in range(3):
-                total[n, c] += share * came[n, c]
-    for c in range(3):
-        total[0, c] += arriving.direct[at, c] / np.float32(parts)
-    if apart:
-        add_apart(arriving, i, (1.0, 1.0, 1.0), colour, total, behind)
-
-
 @njit
-def add_apart(arriving, i, colour, colour_behind, total, behind):
-    """Add what gloss sends to the matt part of pixel i to both, each times a colour."""
-    for n in range(total.shape[0]):
-        for c in range(3):
-            total[n, c] += colour[c] * arriving.apart.even[i, n, c]
-            for slot in range(behind.shape[1]):
-                behind[n, slot, c] += colour_behind[c] * arriving.apart.behind[i, n, slot, c]
+def add_even(arriving, link, parts, colour, out):
+    """Add what a surface of a matt colour, with the rays of a pixel, reflects of one part of them.
+
+    out is (deg + 1, 3).
+    """
+    for c in range(3):
+        share = np.float32(colour[c] / parts)
+        for n in range(out.shape[0]):
+            out[n, c] += share * arriving.even.light[link, n, c]
 
 
 @njit

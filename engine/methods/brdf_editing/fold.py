@@ -23,11 +23,9 @@ from engine.brdf.layers import CONSTANTS, factors
 from engine.methods.brdf_editing.arriving import (
     Arriving,
     Surface,
+    add_even,
     came_along,
     from_lamp,
-    gather_even,
-    is_apart,
-    is_gloss,
     part_of,
 )
 from engine.methods.brdf_editing.patterns import pattern_of, ray_of, weight_of
@@ -37,7 +35,6 @@ from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import vec
 
 STEPS = 32767
-BLACK = 0.0, 0.0, 0.0
 
 
 class Folded(NamedTuple):
@@ -83,29 +80,30 @@ def _fold(begin, end, surface, arriving, pixels, hand, slots, steps, unit):
     surface, arriving = borrow(surface), borrow(arriving)
     total = np.zeros((steps.shape[1], steps.shape[3], 3), np.float32)
     room = np.zeros((steps.shape[1], 3), np.float32)
-    nothing = np.zeros((steps.shape[1], 0, 3), np.float32)
-    even = np.zeros((steps.shape[1], 3), np.float32)
+    is_even = arriving.matt[hand, 0] >= 0.0
     for q in range(begin, end):
         total[:] = 0.0
         i = pixels[q]
         parts = 4 if surface.edge[i] >= 0 else 1
         for part in range(parts):
-            at = part_of(surface, i, part)[0]
-            if surface.material[at] == hand:
-                if slots.curves == 0 and arriving.patterns.cosines > 0:
-                    gather_even(surface, arriving, i, part, BLACK, room, nothing, even)
-                    for c in range(3):
-                        total[:, 0, c] += surface.texture[at, c] * even[:, c]
-                else:
-                    _fold_rays(surface, arriving, i, part, slots, room, total)
-                    _fold_lights(surface, arriving, at, parts, slots, total)
+            at, link = part_of(surface, i, part)
+            if surface.material[at] != hand:
+                continue
+            if is_even:
+                add_even(arriving, link, parts, vec(surface.texture, at), total[:, 0])
+            if slots.curves > 0 or not is_even:
+                first = 1 if is_even else 0
+                _fold_rays(surface, arriving, at, link, part, parts, slots, first, room, total)
+                _fold_lights(surface, arriving, at, parts, slots, total)
+            else:
+                for c in range(3):
+                    lit = surface.texture[at, c] * arriving.direct[at, c]
+                    total[0, 0, c] += lit / np.float32(parts)
         to_steps(total, steps[q], unit[q])
 
 
 @njit(fastmath={"contract", "reassoc"})
-def _fold_rays(surface, arriving, i, part, slots, room, total):
-    at, link = part_of(surface, i, part)
-    parts, apart = (4 if surface.edge[i] >= 0 else 1), is_apart(surface, arriving, i)
+def _fold_rays(surface, arriving, at, link, part, parts, slots, first, room, total):
     p, model = surface.row[at], surface.model[at]
     z, g = vec(surface.normal, at), vec(surface.geometric, at)
     s, t = tangents(z)
@@ -119,14 +117,9 @@ def _fold_rays(surface, arriving, i, part, slots, room, total):
         came = came_along(arriving, sample[k], d, k, room)
         f = factors(model, p, wi, wo)
         weight = weight_of(patterns, wi, wo)
-        first = 1 if apart and is_gloss(arriving, sample[k]) else 0
         for n in range(total.shape[0]):
             light = (came[n, 0], came[n, 1], came[n, 2])
             _add(total[n], f, weight, light, texture, slots, first)
-    if apart:
-        for n in range(total.shape[0]):
-            for c in range(3):
-                total[n, 0, c] += texture[c] * arriving.apart.even[i, n, c]
 
 
 @njit(fastmath={"contract", "reassoc"})

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from engine.brdf.layers import LAYERS
 from engine.light.base import Light
 from engine.methods.brdf_editing.albedos import albedos_of
-from engine.methods.brdf_editing.arriving import Apart, Arriving
+from engine.methods.brdf_editing.arriving import Arriving, Even
 from engine.methods.brdf_editing.fold import Folded, Slots, fold
 from engine.methods.brdf_editing.interleaved import shared
 from engine.methods.brdf_editing.light_seen import shining
@@ -127,7 +127,7 @@ class Freezer:
         no_light = np.zeros((0, 1, 3), np.float32)
         self._arriving = Arriving(
             patterns(settings), scene.camera.width, transport.sample, no_light,
-            no_second(cloud, lights), Apart(no_light, no_light[None]), no_light[:, 0], beyond,
+            no_second(cloud, lights), Even(no_light, no_light[None]), no_light[:, 0], beyond,
             lights, np.zeros((0, 0), np.uint64), no_light[:, 0],
         )  # fmt: skip
         self._texture = self._cloud_texture()
@@ -151,7 +151,11 @@ class Freezer:
             later = Later(*(np.ascontiguousarray(a[:, :1]) for a in later))
         surface = self._points.surface(table)
         arriving = self._arriving._replace(
-            powers=later.radiance, lights=lit.lights, seen=lit.seen, direct=lit.direct
+            powers=later.radiance,
+            matt=_even_albedos(table),
+            lights=lit.lights,
+            seen=lit.seen,
+            direct=lit.direct,
         )
         if self._second is not None and s.bounces:
             came = Incoming(
@@ -160,8 +164,9 @@ class Freezer:
             )  # fmt: skip
             rays = self._second._replace(seen=lit.second)
             second = second_bounce(self._cloud, rays, table, material, came, lit.lights, s)
-            arriving = arriving._replace(second=second, matt=_even_albedos(table))
-            arriving = arriving._replace(apart=shared(surface, arriving, material))
+            arriving = arriving._replace(second=second)
+        every = self._points.pixels(scale)
+        arriving = arriving._replace(even=shared(surface, arriving, material, every))
         slots, pixels = Slots(0, 0, s.bands, s.basis == "tents"), np.zeros(0, np.int32)
         if material >= 0:
             layers = LAYERS[table.model[material]]
@@ -173,7 +178,7 @@ class Freezer:
             self._scene.material_names, table, material, s, albedos, of, surface,
             arriving, sent,
         )  # fmt: skip
-        others, behind = reflect(surface, arriving, material, self._points.pixels(scale))
+        others, behind = reflect(surface, arriving, material, every)
         return Hand(material, table, lights, scale, pixels, folded, others, behind, limits)
 
     def _cloud_texture(self) -> NDArray[np.float32]:

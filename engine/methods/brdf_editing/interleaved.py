@@ -1,25 +1,27 @@
-"""What gloss sends to the matt part of pixels: smooth but for edges, and so shared by neighbours.
+"""What matt surfaces receive: smooth but for edges, and so shared by neighbouring pixels.
 
-A sharp lobe behind the first bounce makes a caustic, which few of a pixel's rays find. Pixels of a
-block of 8 x 8 have other rays each (`patterns`), so that their mean over a window of that size has
-64 times as many: interleaved sampling with a discontinuity buffer (Keller and Heidrich 2001). Only
-pixels of the same surface share.
+Pixels of a block of 8 x 8 have other rays each (`patterns`), so that their mean over a window of
+that size has 64 times as many: interleaved sampling with a discontinuity buffer (Keller and
+Heidrich 2001). Only pixels of the same surface share. It is for light that surfaces send, not for
+that of lamps, whose shadows are sharp; and for caustics, which few of a pixel's rays find.
 """
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from engine.methods.brdf_editing.arriving import (
-    Apart,
     Arriving,
+    Even,
     Surface,
     came_along,
     came_apart,
-    is_gloss,
 )
+from engine.methods.brdf_editing.links import BEYOND
 from engine.methods.brdf_editing.patterns import SIDE, pattern_of
+from engine.methods.brdf_editing.second import MATT
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import tangents, to_world
 from engine.numerics.parallel import for_ranges
@@ -30,62 +32,75 @@ SAME_NORMAL = 0.9  # cosine between normals of one surface
 SAME_PLANE = 2.0  # widths of a pixel that a neighbour may lie above or below
 
 
-def shared(surface: Surface, arriving: Arriving, hand: int) -> Apart:
-    """What reaches pixels that are not at edges, and nothing at the others."""
+def shared(surface: Surface, arriving: Arriving, hand: int, pixels: NDArray[np.int32]) -> Even:
+    """What reaches the centres of pixels (k,), and of those whose rays they take; 0 elsewhere."""
     n, degrees, slots = len(surface.edge), arriving.powers.shape[1], arriving.second.slots
-    even = np.zeros((n, degrees, 3), np.float32)
+    edge = surface.edge[pixels]
+    donors = surface.donor.reshape(-1, 4)[edge[edge >= 0]]
+    some = np.union1d(pixels, donors).astype(np.int32)
+    there = surface.model[:n] >= 0
+    there &= np.isin(np.arange(n), some, assume_unique=True)
+    light = np.zeros((n, degrees, 3), np.float32)
     behind = np.zeros((n, degrees, slots, 3), np.float32)
-    for_ranges(_gather, n, surface, arriving, hand, even, behind, grain=64)
-    rows = np.concatenate([even[:, :, None], behind], axis=2).reshape(n, -1)
+    some = some[there[some]]
+    for_ranges(_gather, len(some), surface, arriving, hand, some, light, behind, grain=64)
+    rows = np.concatenate([light[:, :, None], behind], axis=2).reshape(n, -1)
     for step in (1, arriving.width):
         out = np.zeros_like(rows)
-        for_ranges(_smooth, n, surface, hand, arriving.width, step, rows, out, grain=256)
+        for_ranges(
+            _smooth, len(some), surface, hand, arriving.width, step, some, there, rows, out,
+            grain=256,
+        )  # fmt: skip
         rows = out
     found = rows.reshape(n, degrees, slots + 1, 3)
-    return Apart(np.ascontiguousarray(found[:, :, 0]), np.ascontiguousarray(found[:, :, 1:]))
+    return Even(np.ascontiguousarray(found[:, :, 0]), np.ascontiguousarray(found[:, :, 1:]))
 
 
-@njit(cache=True, nogil=True)
-def _gather(begin, end, surface, arriving, hand, even, behind):
+@njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
+def _gather(begin, end, surface, arriving, hand, some, even, behind):
     surface, arriving = borrow(surface), borrow(arriving)
-    cosines = arriving.patterns.cosines
+    cosines, powers = arriving.patterns.cosines, arriving.powers
     room = np.zeros((even.shape[1], 3), np.float32)
-    share = 1.0 / max(1, cosines)
-    for i in range(begin, end):
-        if surface.edge[i] >= 0 or surface.model[i] < 0:
-            continue
+    share = np.float32(1.0 / cosines)
+    for q in range(begin, end):
+        i = some[q]
         z, g = vec(surface.normal, i), vec(surface.geometric, i)
         s, t = tangents(z)
-        pattern = pattern_of(i, arriving.width)
+        pattern, sample = pattern_of(i, arriving.width), arriving.sample[i]
         for k in range(cosines):
-            y = arriving.sample[i, k]
-            if not is_gloss(arriving, y):
+            y = sample[k]
+            # These rays count alike, so that no direction need be known but of those that leave
+            # the scene, or meet gloss.
+            if y != BEYOND and arriving.second.kind[y] == MATT:
+                came = powers[y]
+            elif y == BEYOND and arriving.beyond.shape[0] == 0:
                 continue
-            d = to_world(vec(arriving.patterns.local[pattern], k), s, t, z)
-            if dot(d, g) <= 0.0:
-                continue
-            if surface.material[i] == hand:
-                came = came_along(arriving, y, d, k, room)
             else:
-                came = came_apart(arriving, y, d, k, (share, share, share), room, behind[i])
+                d = to_world(vec(arriving.patterns.local[pattern], k), s, t, z)
+                if dot(d, g) <= 0.0:
+                    continue
+                if surface.material[i] == hand:
+                    came = came_along(arriving, y, d, k, room)
+                else:
+                    came = came_apart(arriving, y, d, k, (share, share, share), room, behind[i])
             for n in range(even.shape[1]):
                 for c in range(3):
                     even[i, n, c] += share * came[n, c]
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _smooth(begin, end, surface, hand, width, step, rows, out):
+def _smooth(begin, end, surface, hand, width, step, some, there, rows, out):
     """Means over REACH pixels to either side along a row (step 1) or column (step width)."""
     surface = borrow(surface)
-    for i in range(begin, end):
-        if surface.edge[i] >= 0 or surface.model[i] < 0:
-            continue
-        total = 0.0
+    for r in range(begin, end):
+        i, total = some[r], 0.0
         place = i % width if step == 1 else i // width
         most = width if step == 1 else surface.edge.shape[0] // width
         for side in range(-REACH, REACH + 1):
             j = i + side * step
-            if place + side < 0 or place + side >= most or not _alike(surface, hand, i, j):
+            if place + side < 0 or place + side >= most or not there[j]:
+                continue
+            if not _alike(surface, hand, i, j):
                 continue
             # Ends count half, so that each of the SIDE lattices counts once.
             weight = np.float32(0.5 if abs(side) == REACH else 1.0)
@@ -98,8 +113,6 @@ def _smooth(begin, end, surface, hand, width, step, rows, out):
 
 @njit
 def _alike(surface, hand, i, j):
-    if surface.edge[j] >= 0 or surface.model[j] < 0:
-        return False
     if (surface.material[i] == hand) != (surface.material[j] == hand):
         return False
     n = vec(surface.normal, i)

@@ -9,16 +9,13 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.brdf import table as brdfs
-from engine.brdf.base import DIFFUSE, is_matt
+from engine.brdf.base import is_matt
 from engine.methods.brdf_editing.arriving import (
     Arriving,
     Surface,
-    add_apart,
+    add_even,
     came_apart,
     from_lamp,
-    gather_even,
-    is_apart,
-    is_gloss,
     part_of,
 )
 from engine.methods.brdf_editing.fold import Folded, to_steps
@@ -57,35 +54,45 @@ def reflect(
 def _reflect(begin, end, surface, arriving, hand, pixels, slots, out, steps, unit):
     surface, arriving = borrow(surface), borrow(arriving)
     room = np.zeros((out.shape[1], 3), np.float32)
-    even = np.zeros((out.shape[1], 3), np.float32)
     behind = np.zeros((out.shape[1], slots, 3), np.float32)
     for q in range(begin, end):
         i = pixels[q]
         behind[:] = 0.0
         parts = 4 if surface.edge[i] >= 0 else 1
         for part in range(parts):
-            at = part_of(surface, i, part)[0]
+            at, link = part_of(surface, i, part)
             if surface.model[at] < 0 or surface.material[at] == hand:
                 continue
-            if is_matt(surface.row[at]) and arriving.patterns.cosines > 0:
-                row = surface.row[at]
-                colour = (row[DIFFUSE], row[DIFFUSE + 1], row[DIFFUSE + 2])
-                gather_even(surface, arriving, i, part, colour, room, behind, even)
+            matt, texture = vec(arriving.matt, surface.material[at]), vec(surface.texture, at)
+            colour = (0.0, 0.0, 0.0)
+            if matt[0] >= 0.0:
+                colour = (matt[0] * texture[0], matt[1] * texture[1], matt[2] * texture[2])
+                add_even(arriving, link, parts, colour, out[i])
+                _add_behind(arriving, link, parts, colour, behind)
+            if is_matt(surface.row[at]) and matt[0] >= 0.0:
                 for c in range(3):
-                    out[i, :, c] += colour[c] * even[:, c]
+                    out[i, 0, c] += colour[c] * arriving.direct[at, c] / np.float32(parts)
             else:
-                _reflect_rays(surface, arriving, i, part, room, behind, out[i])
+                _reflect_rays(
+                    surface, arriving, at, link, part, parts, colour, room, behind, out[i]
+                )
                 _reflect_lights(surface, arriving, at, parts, out[i, 0])
         if slots > 0:
             to_steps(behind, steps[i], unit[i])
 
 
+@njit
+def _add_behind(arriving, link, parts, colour, behind):
+    for n in range(behind.shape[0]):
+        for slot in range(behind.shape[1]):
+            for c in range(3):
+                share = np.float32(colour[c] / parts)
+                behind[n, slot, c] += share * arriving.even.behind[link, n, slot, c]
+
+
 @njit(fastmath={"contract", "reassoc"})
-def _reflect_rays(surface, arriving, i, part, room, behind, out):
-    at, link = part_of(surface, i, part)
-    parts, apart = (4 if surface.edge[i] >= 0 else 1), is_apart(surface, arriving, i)
-    matt, texture = vec(arriving.matt, surface.material[at]), vec(surface.texture, at)
-    colour = (matt[0] * texture[0], matt[1] * texture[1], matt[2] * texture[2])
+def _reflect_rays(surface, arriving, at, link, part, parts, colour, room, behind, out):
+    """Add what the rays bring, but for what a matt surface of the colour reflects."""
     p, model = surface.row[at], surface.model[at]
     z, g = vec(surface.normal, at), vec(surface.geometric, at)
     s, t = tangents(z)
@@ -98,18 +105,15 @@ def _reflect_rays(surface, arriving, i, part, room, behind, out):
             continue
         weight = weight_of(patterns, wi, wo)
         f = evaluate(model, p, wi, wo)
-        less = 1.0 / math.pi if apart and is_gloss(arriving, sample[k]) else 0.0
         own = (
-            weight * (f[0] - less * colour[0]),
-            weight * (f[1] - less * colour[1]),
-            weight * (f[2] - less * colour[2]),
+            weight * (f[0] - colour[0] / math.pi),
+            weight * (f[1] - colour[1] / math.pi),
+            weight * (f[2] - colour[2] / math.pi),
         )
         came = came_apart(arriving, sample[k], d, k, own, room, behind)
         for n in range(out.shape[0]):
             for c in range(3):
                 out[n, c] += own[c] * came[n, c]
-    if apart:
-        add_apart(arriving, i, colour, colour, out, behind)
 
 
 @njit(fastmath={"contract", "reassoc"})

@@ -33,7 +33,7 @@ class Settings:
     """Rays of a view sample: 16 to 4096."""
 
     lobe_rays: float = 0.3
-    """Part of them that follow a Blinn-Phong lobe, the others the cosine: 0 to 1 (§5.1)."""
+    """Part of them that follow a Blinn-Phong lobe, the others the cosine: 0 to 0.9 (§5.1)."""
 
     lobe_exponent: float = 200.0
     """Of that lobe: 1 to 100,000 (§5.1)."""
@@ -59,7 +59,7 @@ class Settings:
             ("second_bands", 1, 64),
             ("bounces", 0, 8),
             ("view_rays", 16, 4096),
-            ("lobe_rays", 0, 1),
+            ("lobe_rays", 0, 0.9),
             ("lobe_exponent", 1, 100_000),
             ("gather_samples", 256, MOST_SAMPLES),
             ("bounce_rays", 16, 65536),
