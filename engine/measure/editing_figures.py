@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from engine.brdf import hemispherical_albedo
-from engine.measure.contact_sheet import Sheet
+from engine.measure.contact_sheet import Row, Sheet
 from engine.measure.editing_session import FULL, Compared, Materials, Session, edits_of
 from engine.scene.edits import apply
 from engine.scene.scene import Scene
@@ -43,10 +43,13 @@ def _sheet(
     session: Session, scene: Scene, figure: int, title: str, seen: str, parts: Sequence[Compared]
 ) -> Sheet:
     below = f"Below: red is too bright, blue too dark, full colour at {FULL:.0%} of the mean."
+    rows = [part.rows() for part in parts]
+    if all(len(part.numbers) == 1 for part in parts):  # side by side
+        rows = [[Row("", [t for pair in rows for t in pair[k].tiles]) for k in (0, 1)]]
     return Sheet(
         f"{title} (the paper's figure {figure})",
         f"{seen}\n{below}",
-        [row for part in parts for row in part.rows()],
+        [row for pair in rows for row in pair],
         session.document(figure, scene, [n for part in parts for n in part.numbers]),
     )
 
@@ -140,15 +143,19 @@ def anisotropy(session: Session) -> Sheet:
         {"vase": turned},
         {"vase": {**turned, "specular": [0.04, 0.04, 0.04], "diffuse": [0.1, 0.13, 0.2]}},
     ]
+    glossy = session.images(scene, edits, second_bands=8)
+    matt = session.images(scene, edits)
     parts = []
-    for image, edit, name in zip(session.images(scene, edits), edits, names, strict=True):
-        part = Compared(session, scene, session.truth(scene, edit), name)
-        part.add(image, "(64, 1, 1, 1)")
+    for k, name in enumerate(names):
+        part = Compared(session, scene, session.truth(scene, edits[k]), name)
+        part.add(glossy[k], "(64, 8, 1, 1)")
+        part.add(matt[k], "(64, 1, 1, 1)")
         parts.append(part)
     return _sheet(
         session, scene, 9, "Anisotropy and Fresnel",
         "The exponents of the vase change places; then little is left of its reflectance at "
-        "normal incidence, and all of it towards the rim.", parts,
+        "normal incidence, and all of it towards the rim.\nBelow it mirrors the table, and lamps in "
+        "it: that asks for gloss behind the first bounce.", parts,
     )  # fmt: skip
 
 

@@ -114,7 +114,7 @@ class Compared:
         truth, kept = self._reference, self._kept
         off = relative_l2(image, truth.image, kept, truth.variance)
         flip = flip_ldr(image, truth.image, kept, self._exposure)
-        self._shown.append(picture(image, self._exposure, title))
+        self._shown.append(picture(image, self._exposure, f"{self._name}: {title}"))
         caption = f"{off:.1%} off, FLIP {flip:.3f}"
         self._off.append(difference(image, truth.image, kept, FULL, caption))
         self.numbers.append({"edit": self._name, "title": title, "relative_l2": off, "flip": flip})

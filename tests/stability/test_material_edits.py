@@ -18,7 +18,8 @@ from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.cook_torrance import CookTorrance
 from engine.brdf.curve_basis import Basis, coefficients
 from engine.brdf.ggx import Ggx
-from engine.brdf.layers import LAYERS, angle_of
+from engine.brdf.half_angle import angle_of
+from engine.brdf.layers import LAYERS
 from engine.brdf.phong import Phong
 from engine.brdf.table import INDEX
 from engine.errors import EditError, EditNotSupported
