@@ -154,8 +154,8 @@ def anisotropy(session: Session) -> Sheet:
     return _sheet(
         session, scene, 9, "Anisotropy and Fresnel",
         "The exponents of the vase change places; then little is left of its reflectance at "
-        "normal incidence, and all of it towards the rim.\nBelow it mirrors the table, and lamps in "
-        "it: that asks for gloss behind the first bounce.", parts,
+        "normal incidence, and all of it towards the rim.\nBelow it mirrors the table, and lamps "
+        "in it: that asks for gloss behind the first bounce.", parts,
     )  # fmt: skip
 
 
