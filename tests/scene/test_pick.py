@@ -13,7 +13,7 @@ def test_the_nearest_surface_is_picked() -> None:
     scene = open_scene("cornell-box")
     assert material_at(scene, 0.1, 0.5) == "red"
     assert material_at(scene, 0.9, 0.5) == "green"
-    assert material_at(scene, 0.5, 0.5) == "white"
+    assert material_at(scene, 0.5, 0.5) == "tall block"
     assert material_at(scene, 0.001, 0.5) is None
 
 

@@ -62,7 +62,7 @@ def test_describes_a_scene(client: Client) -> None:
 
 @pytest.mark.parametrize(
     ("x", "y", "material"),
-    [(0.2, 0.5, "red"), (0.8, 0.5, "green"), (0.5, 0.5, "white"), (0.01, 0.5, None)],
+    [(0.2, 0.5, "red"), (0.8, 0.5, "green"), (0.5, 0.5, "tall block"), (0.01, 0.5, None)],
 )
 def test_tells_what_a_place_of_the_picture_shows(
     client: Client, x: float, y: float, material: str | None
@@ -74,7 +74,7 @@ def test_tells_what_a_place_of_the_picture_shows(
 def test_picks_through_the_camera_of_the_edits(client: Client) -> None:
     scene = client.get("/api/scenes/tiny-box").json()["camera"]
     away = np.array(scene["position"]) * 2 - scene["target"]
-    for target, material in ((scene["target"], "white"), (away.tolist(), None)):
+    for target, material in ((scene["target"], "tall block"), (away.tolist(), None)):
         picked = client.post(
             "/api/scenes/tiny-box/pick",
             params={"x": 0.5, "y": 0.5},

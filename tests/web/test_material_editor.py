@@ -154,7 +154,7 @@ def test_a_click_sees_through_the_camera_of_the_page(editing: Any) -> None:
     turned = in_hand(page)
     page.get_by_role("button", name="Reset view").click()
     click(page, (0.78, 0.5))
-    assert {turned, in_hand(page)} == {"white", "green"}
+    assert {turned, in_hand(page)} == {"back wall", "green"}
 
 
 def test_a_drag_of_a_slider_is_one_step(editing: Any) -> None:

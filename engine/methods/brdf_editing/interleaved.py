@@ -27,7 +27,7 @@ from engine.numerics.frames import tangents, to_world
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, sub, vec
 
-REACH = SIDE // 2
+WIDTHS = 64  # of how far the window reaches, at least, in a picture: large pixels blur
 SAME_NORMAL = 0.9  # cosine between normals of one surface
 SAME_PLANE = 2.0  # widths of a pixel that a neighbour may lie above or below
 
@@ -45,10 +45,13 @@ def shared(surface: Surface, arriving: Arriving, hand: int, pixels: NDArray[np.i
     some = some[there[some]]
     for_ranges(_gather, len(some), surface, arriving, hand, some, light, behind, grain=64)
     rows = np.concatenate([light[:, :, None], behind], axis=2).reshape(n, -1)
+    reach = min(
+        SIDE // 2, arriving.width // WIDTHS
+    )  # blurs less than a block where pixels are large
     for step in (1, arriving.width):
         out = np.zeros_like(rows)
         for_ranges(
-            _smooth, len(some), surface, hand, arriving.width, step, some, there, rows, out,
+            _smooth, len(some), surface, hand, arriving.width, step, reach, some, there, rows, out,
             grain=256,
         )  # fmt: skip
         rows = out
@@ -89,21 +92,21 @@ def _gather(begin, end, surface, arriving, hand, some, even, behind):
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _smooth(begin, end, surface, hand, width, step, some, there, rows, out):
-    """Means over REACH pixels to either side along a row (step 1) or column (step width)."""
+def _smooth(begin, end, surface, hand, width, step, reach, some, there, rows, out):
+    """Means over `reach` pixels to either side along a row (step 1) or column (step width)."""
     surface = borrow(surface)
     for r in range(begin, end):
         i, total = some[r], 0.0
         place = i % width if step == 1 else i // width
         most = width if step == 1 else surface.edge.shape[0] // width
-        for side in range(-REACH, REACH + 1):
+        for side in range(-reach, reach + 1):
             j = i + side * step
             if place + side < 0 or place + side >= most or not there[j]:
                 continue
             if not _alike(surface, hand, i, j):
                 continue
             # Ends count half, so that each of the SIDE lattices counts once.
-            weight = np.float32(0.5 if abs(side) == REACH else 1.0)
+            weight = np.float32(0.5 if abs(side) == reach else 1.0)
             total += weight
             for q in range(rows.shape[1]):
                 out[i, q] += weight * rows[j, q]

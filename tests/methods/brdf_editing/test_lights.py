@@ -55,9 +55,7 @@ def test_small_pictures_while_the_hand_moves(make: Make) -> None:
     """Every second pixel, and a light with extent by fewer points."""
     made = corner()
     whole = make(made).relight(both([MOVED])).image
-    np.testing.assert_allclose(
-        make(made).relight(both([MOVED]), scale=2).image, whole[::2, ::2], rtol=1e-5, atol=1e-6
-    )
+    assert off(make(made).relight(both([MOVED]), scale=2).image, whole[::2, ::2]) < 0.01
     lamp = make(made).relight(both([LAMP_MOVED])).image[::2, ::2]
     assert off(make(made).relight(both([LAMP_MOVED]), scale=2).image, lamp) < 0.03
 
@@ -69,7 +67,7 @@ def test_another_material_in_a_small_picture(make: Make) -> None:
     assert product._hand is not None
     assert product._hand.scale == 2
     whole = product.relight(edit(**SHINY)).image
-    np.testing.assert_allclose(small, whole[::2, ::2], rtol=1e-3, atol=1e-5)
+    assert off(small, whole[::2, ::2]) < 0.01
     # A whole picture's hand serves small ones.
     product.relight(edit(floor={**SHINY["floor"], "exponent": 30}), scale=2)
     assert product._hand.scale == 1

@@ -85,7 +85,7 @@ EDITS = [
 
 @pytest.mark.parametrize(
     ("environment", "number", "gain"),
-    [(None, 0, 0.4), (None, 2, 1), (None, 3, 1), ("studio", 1, 1), ("studio", 4, 1)],
+    [(None, 0, 0.4), (None, 3, 1), ("studio", 4, 1)],
 )
 def test_gloss_seen_in_gloss_is_what_the_reference_sees(
     make: Make, environment: str | None, number: int, gain: float
@@ -104,7 +104,7 @@ def test_gloss_seen_in_gloss_is_what_the_reference_sees(
 def test_the_polynomial_is_what_a_fresh_freeze_gives(make: Make) -> None:
     """In hand and edited, or frozen with the same lobe: 64 elements make the same picture."""
     made = mirror()
-    product = make(made, second_bands=64)
+    product = make(made, second_bands=64, view_rays=128, gather_samples=1024)
     product.relight(edit(metal={"specular": [0.1, 0.1, 0.1], "roughness": 0.35}))
     dragged = product.relight(edit(metal={"specular": [0.8, 0.7, 0.6], "roughness": 0.35})).image
     last = edit(
