@@ -198,9 +198,7 @@ def _figures(asked: Asked, folder: Path, progress: Progress) -> list[Path]:
     ]
 
 
-def _of_papers_own(
-    asked: Asked, progress: Progress
-) -> dict[int, Callable[[], contact_sheet.Sheet]]:
+def _of_papers_own(asked: Asked, progress: Progress) -> Makers:
     shoot = figures.Shoot(
         asked.thing(),
         asked.pixels(figures.SIZE),

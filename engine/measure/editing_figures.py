@@ -6,7 +6,8 @@ the path tracer's picture of the edited scene.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -54,18 +55,35 @@ def _sheet(
     )
 
 
+def _compared(
+    session: Session,
+    scene: Scene,
+    edits: Mapping[str, Materials],
+    settings: Mapping[str, Mapping[str, Any]],
+    bounces: int | None = None,
+) -> list[Compared]:
+    """Edits by name, each by settings by name, beside a reference of so many
+    bounces behind the first, or of all light.
+    """
+    images = {
+        title: session.images(scene, list(edits.values()), **each)
+        for title, each in settings.items()
+    }
+    parts = []
+    for k, (name, edit) in enumerate(edits.items()):
+        part = Compared(session, scene, session.truth(scene, edit, bounces), name)
+        for title, pictures in images.items():
+            part.add(pictures[k], title)
+        parts.append(part)
+    return parts
+
+
 def room_session(session: Session) -> Sheet:
     """Figure 1: the sofa and the floor of the room edited, and direct light alone."""
     scene = session.scene("room")
-    edits: list[Materials] = [{}, ROOM]
-    full = session.images(scene, edits, bounces=2)
-    direct = session.images(scene, edits, bounces=0)
-    parts = []
-    for k, name in enumerate(("as it is", "green sofa, shiny floor")):
-        part = Compared(session, scene, session.truth(scene, edits[k]), name)
-        part.add(full[k], "(64, 1, 1)")
-        part.add(direct[k], "direct light alone")
-        parts.append(part)
+    edits: dict[str, Materials] = {"as it is": {}, "green sofa, shiny floor": ROOM}
+    made = {"(64, 1, 1)": {"bounces": 2}, "direct light alone": {"bounces": 0}}
+    parts = _compared(session, scene, edits, made)
     return _sheet(
         session, scene, 1, "Materials of a room",
         "A sofa and a floor edited in one sitting. The reference has all light, the series three "
@@ -76,27 +94,24 @@ def room_session(session: Session) -> Sheet:
 def series(session: Session) -> Sheet:
     """Figure 4: what each series of elements makes of a teapot on a shiny tray, two bounces."""
     scene = session.scene("teatray")
-    part = Compared(session, scene, session.truth(scene, {}, bounces=1), "teatray")
-    for bands, second in ((128, 8), (16, 8), (128, 1)):
-        settings = {"bands": bands, "second_bands": second, "bounces": 1}
-        part.add(session.images(scene, [{}], **settings)[0], f"({bands}, {second})")
-    part.add(session.images(scene, [{}], bands=128, bounces=0)[0], "direct light alone")
+    made = {
+        f"({bands}, {second})": {"bands": bands, "second_bands": second, "bounces": 1}
+        for bands, second in ((128, 8), (16, 8), (128, 1))
+    }
+    made["direct light alone"] = {"bands": 128, "bounces": 0}
+    parts = _compared(session, scene, {"teatray": {}}, made, bounces=1)
     return _sheet(
         session, scene, 4, "Series of elements",
         "Two bounces. The tray mirrors the teapot, and the teapot its spout and the tray: with a "
-        "matt second bounce it mirrors them matt.", [part],
+        "matt second bounce it mirrors them matt.", parts,
     )  # fmt: skip
 
 
 def box_edits(session: Session) -> Sheet:
     """Figure 6: a block and the back wall of the Cornell box edited."""
     scene = session.scene("cornell-box")
-    images = session.images(scene, [{}, BOX])
-    parts = []
-    for image, edit, name in zip(images, ({}, BOX), ("as it is", "glossy wall"), strict=True):
-        part = Compared(session, scene, session.truth(scene, edit), name)
-        part.add(image, "(64, 1, 1, 1)")
-        parts.append(part)
+    edits: dict[str, Materials] = {"as it is": {}, "glossy wall": BOX}
+    parts = _compared(session, scene, edits, {"(64, 1, 1, 1)": {}})
     return _sheet(
         session, scene, 6, "Edits of the Cornell box",
         "The small block turns yellow, the back wall glossy: it mirrors the box, and the large "
@@ -135,22 +150,16 @@ def _matt(scene: Scene) -> Materials:
 def anisotropy(session: Session) -> Sheet:
     """Figure 9: the highlight of the vase turned, and its Fresnel reflection made stronger."""
     scene = session.scene("vase")
-    names = "as it is", "brushed the other way", "stronger Fresnel"
     vase = scene.materials[scene.material_names.index("vase")].model_dump()
     turned = {"exponent_u": vase["exponent_v"], "exponent_v": vase["exponent_u"]}
-    edits: list[Materials] = [
-        {},
-        {"vase": turned},
-        {"vase": {**turned, "specular": [0.04, 0.04, 0.04], "diffuse": [0.1, 0.13, 0.2]}},
-    ]
-    glossy = session.images(scene, edits, second_bands=8)
-    matt = session.images(scene, edits)
-    parts = []
-    for k, name in enumerate(names):
-        part = Compared(session, scene, session.truth(scene, edits[k]), name)
-        part.add(glossy[k], "(64, 8, 1, 1)")
-        part.add(matt[k], "(64, 1, 1, 1)")
-        parts.append(part)
+    rim = {**turned, "specular": [0.04, 0.04, 0.04], "diffuse": [0.1, 0.13, 0.2]}
+    edits: dict[str, Materials] = {
+        "as it is": {},
+        "brushed the other way": {"vase": turned},
+        "stronger Fresnel": {"vase": rim},
+    }
+    made = {"(64, 8, 1, 1)": {"second_bands": 8}, "(64, 1, 1, 1)": {}}
+    parts = _compared(session, scene, edits, made)
     return _sheet(
         session, scene, 9, "Anisotropy and Fresnel",
         "The exponents of the vase change places; then little is left of its reflectance at "
@@ -162,18 +171,14 @@ def anisotropy(session: Session) -> Sheet:
 def caustics(session: Session) -> Sheet:
     """Figure 11: the caustic of a ring, sharp and wide, on a matt and on a glossy plane."""
     scene = session.scene("ring")
-    wide = {"ring": {"roughness": 0.32}}
-    glossy = {"plane": {"specular": [0.3, 0.3, 0.3], "diffuse": [0.15, 0.15, 0.16]}}
-    edits: list[Materials] = [{}, wide, glossy]
-    names = "as it is", "a rougher ring", "a glossy plane"
-    images = session.images(scene, edits, second_bands=16, bounces=1)
-    matt = session.images(scene, edits, bounces=1)
-    parts = []
-    for k, name in enumerate(names):
-        part = Compared(session, scene, session.truth(scene, edits[k], bounces=1), name)
-        part.add(images[k], "(64, 16)")
-        part.add(matt[k], "(64, 1)")
-        parts.append(part)
+    glossy = {"specular": [0.3, 0.3, 0.3], "diffuse": [0.15, 0.15, 0.16]}
+    edits: dict[str, Materials] = {
+        "as it is": {},
+        "a rougher ring": {"ring": {"roughness": 0.32}},
+        "a glossy plane": {"plane": glossy},
+    }
+    made = {"(64, 16)": {"second_bands": 16, "bounces": 1}, "(64, 1)": {"bounces": 1}}
+    parts = _compared(session, scene, edits, made, bounces=1)
     return _sheet(
         session, scene, 11, "Caustics",
         "Two bounces. With a matt second one the ring throws no caustic, and mirrors no light of "
@@ -184,14 +189,9 @@ def caustics(session: Session) -> Sheet:
 def gloss_in_gloss(session: Session) -> Sheet:
     """Figure 12: the room as it is, and with a floor and a sofa that mirror one another."""
     scene = session.scene("room")
-    shiny: Materials = {"sofa": {**GREEN_SOFA, "exponent": 80}, "boards": SHINY_BOARDS}
-    edits: list[Materials] = [{}, shiny]
-    images, names = session.images(scene, edits, bounces=2), ("as it is", "exponents 80, 250")
-    parts = []
-    for image, edit, name in zip(images, edits, names, strict=True):
-        part = Compared(session, scene, session.truth(scene, edit, bounces=2), name)
-        part.add(image, "(64, 1, 1)")
-        parts.append(part)
+    shiny = {"sofa": {**GREEN_SOFA, "exponent": 80}, "boards": SHINY_BOARDS}
+    edits: dict[str, Materials] = {"as it is": {}, "exponents 80, 250": shiny}
+    parts = _compared(session, scene, edits, {"(64, 1, 1)": {"bounces": 2}}, bounces=2)
     return _sheet(
         session, scene, 12, "Gloss in gloss",
         "Three bounces. What is off is where light meets two glossy things or more.", parts,

@@ -8,7 +8,6 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.light import table as lights
 from engine.light.environment_samples import DEPTH
 from engine.methods.brdf_editing.light_seen import Shining
 from engine.methods.brdf_editing.links import BEYOND
@@ -23,9 +22,6 @@ from engine.methods.brdf_editing.second import (
     sent_to_itself,
 )
 from engine.numerics.octahedron import cell as cell_of
-from engine.numerics.vec import vec
-
-illuminate = lights.illuminate
 
 
 class Even(NamedTuple):
@@ -144,13 +140,3 @@ def add_even(arriving, link, parts, colour, out):
         share = np.float32(colour[c] / parts)
         for n in range(out.shape[0]):
             out[n, c] += share * arriving.even.light[link, n, c]
-
-
-@njit
-def from_lamp(surface, light, at, lamp, k):
-    """(direction, radiance times solid angle) of point k of a light, as seen from a surface."""
-    wx, wy, wz, _, red, green, blue = illuminate(
-        light.kind[lamp], light.row[lamp], light.texels, vec(surface.position, at),
-        np.float64(surface.size[at]), light.place[lamp, k, 0], light.place[lamp, k, 1],
-    )  # fmt: skip
-    return (wx, wy, wz), (red, green, blue)

@@ -139,7 +139,8 @@ class Freezer:
         s, lit = self._settings, self._lighting.of((*lights, *self._suns), scale)
         matt, gloss = albedos = albedos_of(table, s)
         of = self._cloud.points.material
-        albedo = (self._texture * matt[of] + gloss[of]).astype(np.float32)
+        base = self._texture * matt[of]
+        albedo = (base + gloss[of]).astype(np.float32)
         mine = of == material
         whole = (matt[of] + gloss[of]).astype(np.float32)
         # How much of the albedo in hand each sample has: 1 but for textures.
@@ -159,7 +160,7 @@ class Freezer:
         )
         if self._second is not None and s.bounces:
             came = Incoming(
-                later, (self._texture * matt[of]).astype(np.float32), self._texture,
+                later, base.astype(np.float32), self._texture,
                 (matt + gloss)[material], arriving.beyond,
             )  # fmt: skip
             rays = self._second._replace(seen=lit.second)

@@ -36,13 +36,12 @@ def shared(surface: Surface, arriving: Arriving, hand: int, pixels: NDArray[np.i
     """What reaches the centres of pixels (k,), and of those whose rays they take; 0 elsewhere."""
     n, degrees, slots = len(surface.edge), arriving.powers.shape[1], arriving.second.slots
     edge = surface.edge[pixels]
-    donors = surface.donor.reshape(-1, 4)[edge[edge >= 0]]
-    some = np.union1d(pixels, donors).astype(np.int32)
-    there = surface.model[:n] >= 0
-    there &= np.isin(np.arange(n), some, assume_unique=True)
+    there = np.zeros(n, np.bool_)
+    there[pixels] = there[surface.donor.reshape(-1, 4)[edge[edge >= 0]]] = True
+    there &= surface.model[:n] >= 0
+    some = np.flatnonzero(there).astype(np.int32)
     light = np.zeros((n, degrees, 3), np.float32)
     behind = np.zeros((n, degrees, slots, 3), np.float32)
-    some = some[there[some]]
     for_ranges(_gather, len(some), surface, arriving, hand, some, light, behind, grain=64)
     rows = np.concatenate([light[:, :, None], behind], axis=2).reshape(n, -1)
     reach = min(

@@ -54,6 +54,16 @@ def shining(all_lights: Sequence[Light], most: int = MOST) -> Shining:
     return Shining(table.kind, table.row, table.texels, count, place)
 
 
+@njit
+def from_lamp(surface, light, at, lamp, k):
+    """(direction, radiance times solid angle) of point k of a light, as seen from a surface."""
+    wx, wy, wz, _, red, green, blue = illuminate(
+        light.kind[lamp], light.row[lamp], light.texels, vec(surface.position, at),
+        np.float64(surface.size[at]), light.place[lamp, k, 0], light.place[lamp, k, 1],
+    )  # fmt: skip
+    return (wx, wy, wz), (red, green, blue)
+
+
 def seen_of(rays: RayTracer, points: Points, light: Shining, start: int, stop: int) -> Any:
     """(stop - start, l) uint64: which points of each light those points see, bit by bit."""
     out = np.zeros((stop - start, len(light.kind)), np.uint64)

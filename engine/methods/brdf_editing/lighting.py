@@ -67,7 +67,9 @@ class Lighting:
         self._known: dict[tuple[Light, int], Lit] = {}
         for q, light in enumerate(light for light in lights if light.enabled):
             behind = second[:, q : q + 1] if second is not None else None
-            self._known[light, 1] = self._of_one(light, MOST, seen[:, q : q + 1], behind)
+            self._known[light, 1] = self._of_one(
+                light, shining([light]), seen[:, q : q + 1], behind
+            )
 
     def of(self, lights: Sequence[Light], scale: int) -> Lit:
         """All under lights; at scale 2 only every second pixel of every second row is right."""
@@ -86,24 +88,22 @@ class Lighting:
 
     def _look(self, light: Light, scale: int) -> Lit:
         buffer, rays = self._view.buffer, self._view.scene.rays
-        points = MOST if scale == 1 else QUICK
-        on = shining([light], points)
+        on = shining([light], MOST if scale == 1 else QUICK)
         seen = np.zeros((len(self._surface.model), 1), np.uint64)
         count, where = len(buffer.centre), self._places.pixels(scale)
         seen[where] = _seen(rays, buffer.centre.take(where), on)
         # Sub-samples of every edge: there are few.
         seen[count:] = _seen(rays, buffer.sub, on)
         behind = _seen(rays, self._cloud.points, on) if self._asks_second else None
-        return self._of_one(light, points, seen, behind)
+        return self._of_one(light, on, seen, behind)
 
     def _of_one(
         self,
         light: Light,
-        points: int,
+        on: Shining,
         seen: NDArray[np.uint64],
         second: NDArray[np.uint64] | None,
     ) -> Lit:
-        on = shining([light], points)
         first = light_on_points(self._view.scene.rays, self._white, light) * np.float32(np.pi)
         if second is None:
             second = np.zeros((len(self._cloud), 0), np.uint64)

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from engine.brdf.curve_basis import Basis
 from engine.brdf.half_angle import angle_of
 from engine.brdf.layers import Layers
-from engine.methods.brdf_editing.arriving import Surface, from_lamp
-from engine.methods.brdf_editing.light_seen import Shining
+from engine.methods.brdf_editing.arriving import Surface
+from engine.methods.brdf_editing.light_seen import Shining, from_lamp
 from engine.methods.brdf_editing.settings import Settings
 from engine.numerics.borrow import borrow
 

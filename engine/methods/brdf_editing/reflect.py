@@ -15,11 +15,10 @@ from engine.methods.brdf_editing.arriving import (
     Surface,
     add_even,
     came_apart,
-    from_lamp,
     part_of,
 )
 from engine.methods.brdf_editing.fold import Folded, to_steps
-from engine.methods.brdf_editing.light_seen import Shining
+from engine.methods.brdf_editing.light_seen import Shining, from_lamp
 from engine.methods.brdf_editing.patterns import pattern_of, ray_of, weight_of
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import tangents, to_local

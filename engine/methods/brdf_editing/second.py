@@ -21,14 +21,12 @@ from numpy.typing import NDArray
 from engine.brdf import table as brdfs
 from engine.brdf.curve_basis import weights_at
 from engine.brdf.layers import CONSTANTS, factors
-from engine.light import table as lights
-from engine.methods.brdf_editing.light_seen import Shining
+from engine.methods.brdf_editing.light_seen import Shining, from_lamp
 from engine.methods.brdf_editing.patterns import GOLDEN, PLASTIC
 from engine.numerics.frames import tangents, to_local
 from engine.numerics.vec import scale, vec
 
 evaluate = brdfs.evaluate
-illuminate = lights.illuminate
 
 MATT, FROZEN, HAND = 0, 1, 2
 VIEWS = 10  # across the disk of directions that tables are made for
@@ -111,13 +109,9 @@ def _lamp_point(second, y, lamp, k, turn, frame):
     q = int(count * ((turn + 0.5) / LAMP_POINTS + k * GOLDEN)) % count
     if (second.seen[y, lamp] >> np.uint64(q)) & np.uint64(1) == 0:
         return False, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    wx, wy, wz, _, red, green, blue = illuminate(
-        light.kind[lamp], light.row[lamp], light.texels, vec(second.position, y),
-        np.float64(second.size[y]), light.place[lamp, q, 0], light.place[lamp, q, 1],
-    )  # fmt: skip
-    wi = to_local((wx, wy, wz), frame[0], frame[1], frame[2])
-    unit = 1.0 / LAMP_POINTS
-    return wi[2] > 0.0, wi, (unit * red, unit * green, unit * blue)
+    w, radiance = from_lamp(second, light, y, lamp, q)
+    wi = to_local(w, frame[0], frame[1], frame[2])
+    return wi[2] > 0.0, wi, scale(radiance, 1.0 / LAMP_POINTS)
 
 
 @njit(fastmath={"contract", "reassoc"})

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
+from methods.brdf_editing.test_brdf_editing import Make, edit, off, smooth
 from methods.scenes import camera, rectangle, scene
-from numpy.typing import NDArray
 
 from engine.errors import InputError
-from engine.methods import prepare
-from engine.methods.brdf_editing import Polynomial, Settings
+from engine.methods.brdf_editing import Settings
 from engine.reference import render
-from engine.scene.edits import Edits, apply
+from engine.scene.edits import apply
 from engine.scene.scene import Scene
-from engine.store import Store
 
-Make = Callable[..., Polynomial]
 MATT = {"type": "diffuse", "diffuse": [0.6, 0.6, 0.6]}
 METAL = {"type": "ggx", "diffuse": [0, 0, 0], "specular": [0.9, 0.7, 0.4], "roughness": 0.35}
 SUN = {"id": "sun", "type": "sun", "direction": [0.6, -1, 0], "diameter_degrees": 4,
@@ -26,15 +23,9 @@ SUN = {"id": "sun", "type": "sun", "direction": [0.6, -1, 0], "diameter_degrees"
 
 
 @pytest.fixture(scope="module")
-def make(tmp_path_factory: pytest.TempPathFactory) -> Make:
-    """The same as that of all, with settings for two bounces."""
-    store = Store(tmp_path_factory.mktemp("store"))
-
-    def product(of: Scene, **settings: Any) -> Polynomial:
-        fields = {"gather_samples": 4096, "view_rays": 1024, "bounces": 1, **settings}
-        return prepare(of, "brdf_editing", Settings(**fields), store=store)  # type: ignore[return-value]
-
-    return product
+def make(make: Make) -> Make:
+    """That of all, with settings for two bounces."""
+    return partial(make, gather_samples=4096, view_rays=1024, bounces=1)
 
 
 def mirror(**fields: Any) -> Scene:
@@ -56,20 +47,6 @@ def mirror(**fields: Any) -> Scene:
             **fields,
         }
     )
-
-
-def edit(**materials: Any) -> Edits:
-    return Edits(materials=materials)
-
-
-def off(found: NDArray, true: NDArray) -> float:
-    return float(np.linalg.norm(found - true) / np.linalg.norm(true))
-
-
-def smooth(image: NDArray) -> NDArray:
-    """Means of 4 x 4 pixels, which hold less of the reference's noise."""
-    height, width = image.shape[:2]
-    return image.reshape(height // 4, 4, width // 4, 4, 3).mean(axis=(1, 3))
 
 
 EDITS = [
