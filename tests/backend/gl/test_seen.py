@@ -36,14 +36,19 @@ def read(buffer: Any, count: int) -> np.ndarray:
     return np.frombuffer(buffer.read(), MET)[:count]
 
 
-def assert_same(found: np.ndarray, expected: Expected, ties: float = 0.0) -> None:
+def assert_same(found: np.ndarray, expected: Expected, of: Scene, ties: float = 0.0) -> None:
     """Ties are what part of the rays meets an edge between triangles, to within rounding."""
     same = found["triangle"] == expected.triangle
     assert (~same).mean() <= ties
     hit = same & (found["triangle"] >= 0)
     np.testing.assert_allclose(found["distance"][hit], expected.distance[hit], rtol=2e-5)
-    for name in ("b1", "b2"):
-        np.testing.assert_allclose(found[name][hit], getattr(expected, name)[hit], atol=2e-3)
+    # On a sliver barycentric coordinates may differ by much where the points do not.
+    corners = of.geometry.positions[of.geometry.triangles[found["triangle"][hit]]]
+    apart = sum(
+        (found[name][hit] - getattr(expected, name)[hit])[:, None] * (corners[:, k] - corners[:, 0])
+        for k, name in ((1, "b1"), (2, "b2"))
+    )
+    assert np.linalg.norm(apart, axis=1).max() < 3e-5 * of.diagonal
 
 
 @pytest.mark.parametrize("step", [1, 2, 3])
@@ -55,13 +60,13 @@ def test_a_scene(gpu: Device, name: str, step: int) -> None:
     found, expected = sight(gpu, of).look(through, step), look(of, through, step)
     n = expected.shape[0] * expected.shape[1]
     assert found.shape == expected.shape
-    assert_same(read(found.centre, n), expected.centre, ties=2e-4)
+    assert_same(read(found.centre, n), expected.centre, of, ties=2e-4)
     edge = np.frombuffer(found.edge.read(4 * (1 + found.edges)), np.int32)[1:]
     np.testing.assert_array_equal(np.sort(edge), expected.edge)
     assert (found.edges > 0) == (step == 1)
     if found.edges:
         sub = read(found.sub, 4 * found.edges).reshape(-1, 4)[np.argsort(edge)]
-        assert_same(sub.ravel(), expected.sub, ties=1e-3)
+        assert_same(sub.ravel(), expected.sub, of, ties=1e-3)
 
 
 def test_rays_mend_what_the_rasteriser_rounds(gpu: Device) -> None:
@@ -100,7 +105,8 @@ def test_a_floor_right_below_the_eye(gpu: Device, height: float, is_near: bool, 
     inverse = np.linalg.inv(of.camera.to_pixels(step))
     assert eye._is_near(of.camera, inverse, of.camera.shape(step)) == is_near
     found, expected = eye.look(of.camera, step), look(of, of.camera, step)
-    assert_same(read(found.centre, expected.shape[0] * expected.shape[1]), expected.centre, 1e-3)
+    centre = read(found.centre, expected.shape[0] * expected.shape[1])
+    assert_same(centre, expected.centre, of, ties=1e-3)
     assert (expected.centre.triangle >= 0).any()
 
 
