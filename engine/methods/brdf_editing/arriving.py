@@ -23,12 +23,14 @@ from engine.methods.brdf_editing.second import (
 )
 from engine.numerics.octahedron import cell as cell_of
 
+LANES = 4  # numbers that a processor adds at once, at least
+
 
 class Even(NamedTuple):
     """What the rays of n pixels that follow the cosine bring, over π the irradiance.
 
     light   (n, deg + 1, 3) float32
-    behind  (n, deg + 1, slots, 3) float32   of coefficients that the second bounce has in hand
+    behind  (n, slots, deg + 1, 3) float32   of coefficients that the second bounce has in hand
     """
 
     light: NDArray[np.float32]
@@ -95,6 +97,41 @@ def part_of(surface, i, part):
     return surface.edge.shape[0] + 4 * e + part, surface.donor[4 * e + part]
 
 
+def in_lanes(powers: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(n_g, lanes): (n_g, deg + 1, 3) row by row, with zeros up to a multiple of LANES."""
+    flat = powers.reshape(len(powers), -1)
+    return np.pad(flat, ((0, 0), (0, -flat.shape[1] % LANES)))
+
+
+@njit(inline="always")
+def is_matt_light(kind, sample):
+    """Whether a ray brings what its sample of the cloud sends all round, and so a row of powers."""
+    return sample != BEYOND and kind[sample] == MATT
+
+
+@njit
+def fetch(rows, sample, part, parts, room):
+    """Bring the rows (n_g, lanes) of what the rays of a part of a pixel meet, into room (N, lanes).
+
+    All at once, as they lie anywhere in memory: one waits for them together, and not for each.
+    """
+    for k in range(part, sample.shape[0], parts):
+        y = sample[k]
+        if y != BEYOND:
+            for lane in range(0, rows.shape[1], LANES):
+                for q in range(lane, lane + LANES):
+                    room[k, q] = rows[y, q]
+
+
+@njit(inline="always")
+def add_lanes(out, factor, came):
+    """Add a row `came` times a factor."""
+    times = np.float32(factor)
+    for lane in range(0, came.shape[0], LANES):
+        for q in range(lane, lane + LANES):
+            out[q] += times * came[q]
+
+
 @njit(inline="always")
 def came_along(arriving, sample, d, k, room):
     """Radiance along ray k of direction d, (deg + 1, 3), written into `room` where it is not kept.
@@ -119,10 +156,10 @@ def came_along(arriving, sample, d, k, room):
 def came_apart(arriving, sample, d, k, weight, room, behind):
     """The same for a pixel of a material that is not in hand.
 
-    What coefficients in hand send goes to behind (deg + 1, slots, 3), times three weights, and only
+    What coefficients in hand send goes to behind (slots, deg + 1, 3), times three weights, and only
     the rest is returned.
     """
-    if behind.shape[1] == 0 or sample == BEYOND or arriving.second.kind[sample] != HAND:
+    if behind.shape[0] == 0 or sample == BEYOND or arriving.second.kind[sample] != HAND:
         return came_along(arriving, sample, d, k, room)
     add_sent_in_hand(arriving.second, sample, d, k, weight, behind)
     room[:] = 0.0

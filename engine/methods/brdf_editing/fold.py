@@ -24,7 +24,11 @@ from engine.methods.brdf_editing.arriving import (
     Arriving,
     Surface,
     add_even,
+    add_lanes,
     came_along,
+    fetch,
+    in_lanes,
+    is_matt_light,
     part_of,
 )
 from engine.methods.brdf_editing.light_seen import from_lamp
@@ -71,15 +75,18 @@ def fold(
         np.zeros((len(pixels), degrees, 3, slots.every), np.int16),
         np.zeros((len(pixels), degrees), np.float32),
     )
-    for_ranges(_fold, len(pixels), surface, arriving, pixels, hand, slots, *out, grain=64)
+    rows = in_lanes(arriving.powers)
+    for_ranges(_fold, len(pixels), surface, arriving, rows, pixels, hand, slots, *out, grain=64)
     return out
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _fold(begin, end, surface, arriving, pixels, hand, slots, steps, unit):
+def _fold(begin, end, surface, arriving, rows, pixels, hand, slots, steps, unit):
     surface, arriving = borrow(surface), borrow(arriving)
-    total = np.zeros((steps.shape[1], steps.shape[3], 3), np.float32)
-    room = np.zeros((steps.shape[1], 3), np.float32)
+    degrees, lanes = steps.shape[1], rows.shape[1]
+    total = np.zeros((steps.shape[3], lanes), np.float32)
+    room = np.zeros((arriving.sample.shape[1], lanes), np.float32)
+    one, own = np.zeros((degrees, 3), np.float32), np.zeros((CONSTANTS, lanes), np.float32)
     is_even = arriving.matt[hand, 0] >= 0.0
     for q in range(begin, end):
         total[:] = 0.0
@@ -90,36 +97,57 @@ def _fold(begin, end, surface, arriving, pixels, hand, slots, steps, unit):
             if surface.material[at] != hand:
                 continue
             if is_even:
-                add_even(arriving, link, parts, vec(surface.texture, at), total[:, 0])
+                one[:] = 0.0
+                add_even(arriving, link, parts, vec(surface.texture, at), one)
+                for n in range(degrees):
+                    for c in range(3):
+                        total[0, 3 * n + c] += one[n, c]
             if slots.curves > 0 or not is_even:
                 first = 1 if is_even else 0
-                _fold_rays(surface, arriving, at, link, part, parts, slots, first, room, total)
+                own[:] = 0.0
+                fetch(rows, arriving.sample[link], part, parts, room)
+                _fold_rays(
+                    surface, arriving, at, link, part, parts, slots, first, one, room, own, total
+                )
+                for slot in range(first, slots.constants):
+                    for k in range(3 * degrees):
+                        total[slot, k] += surface.texture[at, k % 3] * own[slot, k]
                 _fold_lights(surface, arriving, at, parts, slots, total)
             else:
                 for c in range(3):
                     lit = surface.texture[at, c] * arriving.direct[at, c]
-                    total[0, 0, c] += lit / np.float32(parts)
+                    total[0, c] += lit / np.float32(parts)
         to_steps(total, steps[q], unit[q])
 
 
 @njit(fastmath={"contract", "reassoc"})
-def _fold_rays(surface, arriving, at, link, part, parts, slots, first, room, total):
+def _fold_rays(surface, arriving, at, link, part, parts, slots, first, one, room, own, total):
     p, model = surface.row[at], surface.model[at]
     z, g = vec(surface.normal, at), vec(surface.geometric, at)
     s, t = tangents(z)
-    wo, texture = to_local(vec(surface.eye, at), s, t, z), vec(surface.texture, at)
+    wo = to_local(vec(surface.eye, at), s, t, z)
     pattern, patterns = pattern_of(link, arriving.width), arriving.patterns
-    sample = arriving.sample[link]
+    sample, kind = arriving.sample[link], arriving.second.kind
     for k in range(part, sample.shape[0], parts):
         wi, d = ray_of(patterns, pattern, k, wo, (s, t, z), g)
         if wi[2] <= 0.0:
             continue
-        came = came_along(arriving, sample[k], d, k, room)
-        f = factors(model, p, wi, wo)
-        weight = weight_of(patterns, wi, wo)
-        for n in range(total.shape[0]):
-            light = (came[n, 0], came[n, 1], came[n, 2])
-            _add(total[n], f, weight, light, texture, slots, first)
+        came = room[k]
+        if not is_matt_light(kind, sample[k]):
+            rest = came_along(arriving, sample[k], d, k, one)
+            for n in range(one.shape[0]):
+                for c in range(3):
+                    came[3 * n + c] = rest[n, c]
+        f, weight = factors(model, p, wi, wo), weight_of(patterns, wi, wo)
+        for c in range(first, slots.constants):
+            add_lanes(own[c], weight * f[1 + c], came)
+        if slots.curves > 0:
+            j, here, there = weights_at(f[0], slots.bands, slots.tents)
+            for c in range(slots.curves):
+                slot, value = slots.constants + c * slots.bands + j, weight * f[1 + CONSTANTS + c]
+                add_lanes(total[slot], value * here, came)
+                if there > 0.0:
+                    add_lanes(total[slot + 1], value * there, came)
 
 
 @njit(fastmath={"contract", "reassoc"})
@@ -135,39 +163,33 @@ def _fold_lights(surface, arriving, at, parts, slots, total):
                 continue
             w, light = from_lamp(surface, lights, at, lamp, k)
             wi = to_local(w, s, t, z)
-            if wi[2] > 0.0:
-                f, weight = factors(model, p, wi, wo), wi[2] / (count * parts)
-                _add(total[0], f, weight, light, texture, slots, 0)
-
-
-@njit(inline="always")
-def _add(total, f, weight, light, texture, slots, first):
-    """Add light times a weight to what the quotients f take from the first on, total (slots, 3)."""
-    for c in range(first, slots.constants):
-        value = weight * f[1 + c]
-        for channel in range(3):
-            total[c, channel] += value * texture[channel] * light[channel]
-    if slots.curves > 0:
-        j, here, there = weights_at(f[0], slots.bands, slots.tents)
-        for c in range(slots.curves):
-            slot, value = slots.constants + c * slots.bands + j, weight * f[1 + CONSTANTS + c]
-            for channel in range(3):
-                total[slot, channel] += value * here * light[channel]
-            if there > 0.0:
+            if wi[2] <= 0.0:
+                continue
+            f, weight = factors(model, p, wi, wo), wi[2] / (count * parts)
+            for c in range(slots.constants):
                 for channel in range(3):
-                    total[slot + 1, channel] += value * there * light[channel]
+                    total[c, channel] += weight * f[1 + c] * texture[channel] * light[channel]
+            if slots.curves > 0:
+                j, here, there = weights_at(f[0], slots.bands, slots.tents)
+                for c in range(slots.curves):
+                    slot = slots.constants + c * slots.bands + j
+                    value = weight * f[1 + CONSTANTS + c]
+                    for channel in range(3):
+                        total[slot, channel] += value * here * light[channel]
+                        if there > 0.0:
+                            total[slot + 1, channel] += value * there * light[channel]
 
 
 @njit
 def to_steps(total, steps, unit):
-    """Write down a total (deg + 1, slots, 3) as `Folded` has it."""
-    for n in range(total.shape[0]):
+    """Write down a total (slots, 3 (deg + 1) or more) as `Folded` has it."""
+    for n in range(steps.shape[0]):
         most = np.float32(0)
-        for slot in range(total.shape[1]):
+        for slot in range(total.shape[0]):
             for channel in range(3):
-                most = max(most, abs(total[n, slot, channel]))
+                most = max(most, abs(total[slot, 3 * n + channel]))
         unit[n] = most / np.float32(STEPS)
         inverse = np.float32(STEPS) / most if most > 0.0 else np.float32(0)
-        for slot in range(total.shape[1]):
+        for slot in range(total.shape[0]):
             for channel in range(3):
-                steps[n, channel, slot] = math.floor(total[n, slot, channel] * inverse + 0.5)
+                steps[n, channel, slot] = math.floor(total[slot, 3 * n + channel] * inverse + 0.5)

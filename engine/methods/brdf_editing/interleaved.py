@@ -16,12 +16,14 @@ from engine.methods.brdf_editing.arriving import (
     Arriving,
     Even,
     Surface,
+    add_lanes,
     came_along,
     came_apart,
+    in_lanes,
+    is_matt_light,
 )
 from engine.methods.brdf_editing.links import BEYOND
 from engine.methods.brdf_editing.patterns import SIDE, pattern_of
-from engine.methods.brdf_editing.second import MATT
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import tangents, to_world
 from engine.numerics.parallel import for_ranges
@@ -41,9 +43,10 @@ def shared(surface: Surface, arriving: Arriving, hand: int, pixels: NDArray[np.i
     there &= surface.model[:n] >= 0
     some = np.flatnonzero(there).astype(np.int32)
     light = np.zeros((n, degrees, 3), np.float32)
-    behind = np.zeros((n, degrees, slots, 3), np.float32)
-    for_ranges(_gather, len(some), surface, arriving, hand, some, light, behind, grain=64)
-    rows = np.concatenate([light[:, :, None], behind], axis=2).reshape(n, -1)
+    behind = np.zeros((n, slots, degrees, 3), np.float32)
+    rows = in_lanes(arriving.powers)
+    for_ranges(_gather, len(some), surface, arriving, rows, hand, some, light, behind, grain=64)
+    rows = np.concatenate([light[:, None], behind], axis=1).reshape(n, -1)
     reach = min(
         SIDE // 2, arriving.width // WIDTHS
     )  # blurs less than a block where pixels are large
@@ -54,40 +57,46 @@ def shared(surface: Surface, arriving: Arriving, hand: int, pixels: NDArray[np.i
             grain=256,
         )  # fmt: skip
         rows = out
-    found = rows.reshape(n, degrees, slots + 1, 3)
-    return Even(np.ascontiguousarray(found[:, :, 0]), np.ascontiguousarray(found[:, :, 1:]))
+    found = rows.reshape(n, slots + 1, degrees, 3)
+    return Even(np.ascontiguousarray(found[:, 0]), np.ascontiguousarray(found[:, 1:]))
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _gather(begin, end, surface, arriving, hand, some, even, behind):
+def _gather(begin, end, surface, arriving, brought, hand, some, even, behind):
     surface, arriving = borrow(surface), borrow(arriving)
-    cosines, powers = arriving.patterns.cosines, arriving.powers
-    room = np.zeros((even.shape[1], 3), np.float32)
+    cosines, degrees = arriving.patterns.cosines, even.shape[1]
+    kind = arriving.second.kind
+    room = np.zeros((degrees, 3), np.float32)
+    total = np.zeros(brought.shape[1], np.float32)
     share = np.float32(1.0 / cosines)
     for q in range(begin, end):
         i = some[q]
         z, g = vec(surface.normal, i), vec(surface.geometric, i)
         s, t = tangents(z)
         pattern, sample = pattern_of(i, arriving.width), arriving.sample[i]
+        total[:] = 0.0
         for k in range(cosines):
             y = sample[k]
             # These rays count alike, so that no direction need be known but of those that leave
             # the scene, or meet gloss.
-            if y != BEYOND and arriving.second.kind[y] == MATT:
-                came = powers[y]
-            elif y == BEYOND and arriving.beyond.shape[0] == 0:
+            if is_matt_light(kind, y):
+                add_lanes(total, share, brought[y])
                 continue
+            if y == BEYOND and arriving.beyond.shape[0] == 0:
+                continue
+            d = to_world(vec(arriving.patterns.local[pattern], k), s, t, z)
+            if dot(d, g) <= 0.0:
+                continue
+            if surface.material[i] == hand:
+                came = came_along(arriving, y, d, k, room)
             else:
-                d = to_world(vec(arriving.patterns.local[pattern], k), s, t, z)
-                if dot(d, g) <= 0.0:
-                    continue
-                if surface.material[i] == hand:
-                    came = came_along(arriving, y, d, k, room)
-                else:
-                    came = came_apart(arriving, y, d, k, (share, share, share), room, behind[i])
-            for n in range(even.shape[1]):
+                came = came_apart(arriving, y, d, k, (share, share, share), room, behind[i])
+            for n in range(degrees):
                 for c in range(3):
-                    even[i, n, c] += share * came[n, c]
+                    total[3 * n + c] += share * came[n, c]
+        for n in range(degrees):
+            for c in range(3):
+                even[i, n, c] = total[3 * n + c]
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})

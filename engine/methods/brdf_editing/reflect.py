@@ -15,6 +15,9 @@ from engine.methods.brdf_editing.arriving import (
     Surface,
     add_even,
     came_apart,
+    fetch,
+    in_lanes,
+    is_matt_light,
     part_of,
 )
 from engine.methods.brdf_editing.fold import Folded, to_steps
@@ -43,17 +46,19 @@ def reflect(
         np.zeros((n if slots else 0, degrees, 3, slots), np.int16),
         np.zeros((n if slots else 0, degrees), np.float32),
     )
+    rows = in_lanes(arriving.powers)
     for_ranges(
-        _reflect, len(pixels), surface, arriving, hand, pixels, slots, out, *behind, grain=64
+        _reflect, len(pixels), surface, arriving, rows, hand, pixels, slots, out, *behind, grain=64
     )
     return out, behind
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _reflect(begin, end, surface, arriving, hand, pixels, slots, out, steps, unit):
+def _reflect(begin, end, surface, arriving, rows, hand, pixels, slots, out, steps, unit):
     surface, arriving = borrow(surface), borrow(arriving)
-    room = np.zeros((out.shape[1], 3), np.float32)
-    behind = np.zeros((out.shape[1], slots, 3), np.float32)
+    one = np.zeros((out.shape[1], 3), np.float32)
+    room = np.zeros((arriving.sample.shape[1], rows.shape[1]), np.float32)
+    behind = np.zeros((slots, out.shape[1], 3), np.float32)
     for q in range(begin, end):
         i = pixels[q]
         behind[:] = 0.0
@@ -72,32 +77,33 @@ def _reflect(begin, end, surface, arriving, hand, pixels, slots, out, steps, uni
                 for c in range(3):
                     out[i, 0, c] += colour[c] * arriving.direct[at, c] / np.float32(parts)
             else:
+                fetch(rows, arriving.sample[link], part, parts, room)
                 _reflect_rays(
-                    surface, arriving, at, link, part, parts, colour, room, behind, out[i]
+                    surface, arriving, at, link, part, parts, colour, one, room, behind, out[i]
                 )
                 _reflect_lights(surface, arriving, at, parts, out[i, 0])
         if slots > 0:
-            to_steps(behind, steps[i], unit[i])
+            to_steps(behind.reshape(slots, -1), steps[i], unit[i])
 
 
 @njit
 def _add_behind(arriving, link, parts, colour, behind):
-    for n in range(behind.shape[0]):
-        for slot in range(behind.shape[1]):
-            for c in range(3):
-                share = np.float32(colour[c] / parts)
-                behind[n, slot, c] += share * arriving.even.behind[link, n, slot, c]
+    for c in range(3):
+        share = np.float32(colour[c] / parts)
+        for slot in range(behind.shape[0]):
+            for n in range(behind.shape[1]):
+                behind[slot, n, c] += share * arriving.even.behind[link, slot, n, c]
 
 
 @njit(fastmath={"contract", "reassoc"})
-def _reflect_rays(surface, arriving, at, link, part, parts, colour, room, behind, out):
+def _reflect_rays(surface, arriving, at, link, part, parts, colour, one, room, behind, out):
     """Add what the rays bring, but for what a matt surface of the colour reflects."""
     p, model = surface.row[at], surface.model[at]
     z, g = vec(surface.normal, at), vec(surface.geometric, at)
     s, t = tangents(z)
     wo = to_local(vec(surface.eye, at), s, t, z)
     pattern, patterns = pattern_of(link, arriving.width), arriving.patterns
-    sample = arriving.sample[link]
+    sample, kind = arriving.sample[link], arriving.second.kind
     for k in range(part, sample.shape[0], parts):
         wi, d = ray_of(patterns, pattern, k, wo, (s, t, z), g)
         if wi[2] <= 0.0:
@@ -109,7 +115,12 @@ def _reflect_rays(surface, arriving, at, link, part, parts, colour, room, behind
             weight * (f[1] - colour[1] / math.pi),
             weight * (f[2] - colour[2] / math.pi),
         )
-        came = came_apart(arriving, sample[k], d, k, own, room, behind)
+        if is_matt_light(kind, sample[k]):
+            for n in range(out.shape[0]):
+                for c in range(3):
+                    out[n, c] += own[c] * room[k, 3 * n + c]
+            continue
+        came = came_apart(arriving, sample[k], d, k, own, one, behind)
         for n in range(out.shape[0]):
             for c in range(3):
                 out[n, c] += own[c] * came[n, c]

@@ -156,19 +156,19 @@ def sent_to_itself(second, y, d, k, matt, out):
 def add_sent_in_hand(second, y, d, k, weight, total):
     """Add what each coefficient of sample y, in hand, sends back along ray k, of direction d.
 
-    weight is three numbers, total (deg + 1, slots, 3).
+    weight is three numbers, total (slots, deg + 1, 3).
     """
     wo, frame = _towards(second, y, d)
     own, constants = second.own[y], second.share.shape[0]
     gloss, matt = second.hand[own, _view_of(second, wo, k)], second.constant[own]
-    for n in range(total.shape[0]):
-        for c in range(3):
-            for q in range(constants):
-                total[n, q, c] += weight[c] * second.share[q] * matt[n, c]
-    for slot in range(gloss.shape[0]):
-        for n in range(total.shape[0]):
+    for q in range(constants):
+        for n in range(total.shape[1]):
             for c in range(3):
-                total[n, constants + slot, c] += weight[c] * gloss[slot, n, c]
+                total[q, n, c] += weight[c] * second.share[q] * matt[n, c]
+    for slot in range(gloss.shape[0]):
+        for n in range(total.shape[1]):
+            for c in range(3):
+                total[constants + slot, n, c] += weight[c] * gloss[slot, n, c]
     m, curves = second.material[y], gloss.shape[0] // second.bands
     for lamp in range(second.seen.shape[1]):
         for turn in range(LAMP_POINTS):
@@ -180,6 +180,6 @@ def add_sent_in_hand(second, y, d, k, weight, total):
             for q in range(curves):
                 slot, value = constants + q * second.bands + j, wi[2] * f[1 + CONSTANTS + q]
                 for c in range(3):
-                    total[0, slot, c] += weight[c] * value * here * light[c]
+                    total[slot, 0, c] += weight[c] * value * here * light[c]
                     if there > 0.0:
-                        total[0, slot + 1, c] += weight[c] * value * there * light[c]
+                        total[slot + 1, 0, c] += weight[c] * value * there * light[c]
