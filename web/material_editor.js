@@ -32,6 +32,7 @@ export class MaterialEditor {
     this.list.replaceChildren(...found.map(({ name }) => this.#row(name)));
     this.#built = "";
     this.draw();
+    this.state.hold(this.#selected);
   }
 
   // Take in hand what the picture shows at (x, y).
@@ -56,6 +57,7 @@ export class MaterialEditor {
   #select(name) {
     this.#selected = name;
     this.draw();
+    this.state.hold(name);
     const row = [...this.list.children].find(({ dataset }) => dataset.name === name);
     row?.scrollIntoView({ block: "nearest" });
   }

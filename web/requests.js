@@ -61,7 +61,7 @@ export class Requests {
       const { request: newest, cause: oldest } = this.#due;
       this.#due = null;
       const { exposure, method } = this.state;
-      const edit = { edits: this.state.edits(), exposure, method, format: "jpeg", ...newest };
+      const edit = { edits: this.state.asked(), exposure, method, format: "jpeg", ...newest };
       const seq = this.send(edit, oldest);
       if (edit.format === "png") this.#final = seq;
     });

@@ -20,10 +20,11 @@ export class State {
     this.method = "direct_to_indirect";
     this.selected = null;
     this.edited = ""; // what the hand was at last
+    this.hand = null; // the material that is picked, and will be edited next
   }
 
   // Called as listener(what, moving): what is "scene", "lights", "environment", "materials",
-  // "materialEdits", "restored" (of these), "camera", "exposure", "method" or "selected";
+  // "materialEdits", "restored" (of these), "hand", "camera", "exposure", "method" or "selected";
   // moving is true while the hand is still at it.
   listen(listener) {
     this.#listeners.push(listener);
@@ -39,6 +40,7 @@ export class State {
     this.environment = structuredClone(scene.environment.description);
     this.materials = {};
     this.materialEdits = {};
+    this.hand = null;
     this.camera = structuredClone(scene.camera);
     this.selected = scene.lights[0]?.id ?? null;
     this.#tell("scene");
@@ -103,6 +105,13 @@ export class State {
     this.edited = names.filter((name) => !same(this.materialEdits[name], materials[name])).join();
     this.materialEdits = materials;
     this.#tell("materialEdits", moving);
+  }
+
+  // A material is picked.
+  hold(name) {
+    if (name === this.hand) return;
+    this.hand = this.edited = name;
+    this.#tell("hand", true);
   }
 
   // Lights, environment and materials in the hand as they were.
@@ -244,5 +253,13 @@ export class State {
       edits.camera = { position, target, up, fov_y_degrees };
     }
     return edits;
+  }
+
+  // The same, the material that is picked named last: the service takes it in hand before it changes.
+  asked() {
+    const edits = this.edits();
+    if (!this.hand || !this.takes("materials")) return edits;
+    const { [this.hand]: change = {}, ...others } = edits.materials ?? {};
+    return { ...edits, materials: { ...others, [this.hand]: change } };
   }
 }

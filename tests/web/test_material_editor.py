@@ -130,6 +130,30 @@ def test_a_click_picks_what_is_there_and_a_drag_does_not(editing: Any) -> None:
     assert in_hand(page) == "green"
 
 
+RECORD = """() => {
+  window.sent = [];
+  const { send } = WebSocket.prototype;
+  WebSocket.prototype.send = function (text) {
+    window.sent.push(text);
+    send.call(this, text);
+  };
+}"""
+
+
+def test_what_is_picked_is_taken_in_hand_at_once(editing: Any) -> None:
+    """The service hears of it before a slider moves; the picture stays, nothing is to be undone."""
+    page: Page = editing.page
+    before = seen(page)
+    page.evaluate(RECORD)
+    click(page, GREEN)
+    assert np.abs(settled(page) - before).max() < 2
+    sent = [json.loads(text) for text in page.evaluate("window.sent")]
+    edits = [message["edits"]["materials"] for message in sent if "edits" in message]
+    assert edits
+    assert all(list(each)[-1] == "green" and each["green"] == {} for each in edits)
+    assert page.locator("#undo").is_disabled()
+
+
 def test_a_click_sees_through_the_camera_of_the_page(editing: Any) -> None:
     page: Page = editing.page
     click(page, RED)

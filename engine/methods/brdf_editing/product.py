@@ -36,6 +36,7 @@ class Polynomial:
         self.view, self._settings, self.cloud, self.transport = view, settings, cloud, transport
         self._freeze = Freezer(view, settings, cloud, transport)
         self._hand: Hand | None = None
+        self._named = -1  # the material that the last frame's edits named last
 
     @property
     def method(self) -> str:
@@ -77,7 +78,7 @@ class Polynomial:
         if edits.lights:
             lights = edited_lights(lights, edits.lights, scene.folder)
         with clock("freeze"):
-            hand = self._take(table, lights, scale)
+            hand = self._take(table, lights, scale, self._picked(edits, table))
         with clock("evaluate"):
             image = self._evaluate(hand, table, scale)
         with clock("sources"):
@@ -105,14 +106,33 @@ class Polynomial:
         )  # fmt: skip
         return np.ascontiguousarray(self.view.every(image, scale))
 
-    def _take(self, table: MaterialTable, lights: tuple[Light, ...], scale: int) -> Hand:
-        """The hand that holds what differs; another one where it has to be.
+    def _picked(self, edits: Edits, table: MaterialTable) -> int:
+        """The editable material that these edits name last and the last ones did not, or -1.
+
+        Who names another one, changed or not, is about to change it: `{"floor": {}}` will do.
+        """
+        before = self._named
+        names = list(edits.materials or {})
+        now = self._named = self.view.scene.material_names.index(names[-1]) if names else -1
+        if now in (-1, before) or LAYERS[table.model[now]] is None:
+            return -1
+        return now
+
+    def _take(
+        self, table: MaterialTable, lights: tuple[Light, ...], scale: int, picked: int
+    ) -> Hand:
+        """The hand that holds what differs; another one where it has to be, or is picked.
 
         While the hand moves it is one of a quarter of the pixels, and so is there at once.
         """
         self._require_editable(table)
         hand = self._hand
-        if hand is not None and hand.scale in (1, scale) and hand.holds(table, lights):
+        if (
+            hand is not None
+            and hand.scale in (1, scale)
+            and picked in (-1, hand.material)
+            and hand.holds(table, lights)
+        ):
             return hand
         if hand is None:
             changed = changed_materials(self.view.scene.material_table, table)
@@ -120,7 +140,7 @@ class Polynomial:
         else:
             changed, last = hand.changed(table), hand.material
         others = [m for m in changed if m != last]
-        material = int((last, *changed, *others)[-1])
+        material = picked if picked >= 0 else int((last, *changed, *others)[-1])
         self._hand = None  # its arrays make room for the new ones
         self._hand = self._freeze(material, table, lights, scale)
         return self._hand

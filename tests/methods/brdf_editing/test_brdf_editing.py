@@ -145,6 +145,29 @@ def test_the_polynomial_is_what_a_fresh_freeze_gives(make: Make, name: str) -> N
     assert off(dragged, frozen) < 2e-3
 
 
+def test_a_material_is_taken_in_hand_before_it_changes(make: Make) -> None:
+    """By a frame that names it last; where nothing else is named, nothing is taken."""
+    made = corner()
+    product, names = make(made), made.material_names
+
+    def hand_after(*edits: Edits) -> Any:
+        for each in edits:
+            product.relight(each)
+        assert product._hand is not None
+        return product._hand
+
+    red = {"diffuse": [0.7, 0.1, 0.2]}
+    assert hand_after(edit(left=red)).material == names.index("left")
+    taken = hand_after(edit(left=red, back={}))
+    assert taken.material == names.index("back")
+    assert hand_after(edit(left=red, back={"diffuse": [0.1, 0.1, 0.1]})) is taken
+    # Who names them in the same order always, and goes on with the first, is not hindered.
+    other = {"diffuse": [0.6, 0.1, 0.2]}
+    first = hand_after(edit(left=other, back={}))
+    assert first.material == names.index("left")
+    assert hand_after(*[edit(left=other, back={})] * 2, edit(left=red, back={})) is first
+
+
 def test_a_drag_there_and_back_returns_the_same_bits(make: Make) -> None:
     product = make(corner())
     here = edit(floor={"exponent": 40.5})
