@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.brdf.base import is_matt
 from engine.brdf.layers import LAYERS
 from engine.light.base import Light
 from engine.methods.brdf_editing.albedos import albedos_of
@@ -40,18 +41,16 @@ class Transport(NamedTuple):
 
     bounce       one bounce of the gather cloud
     sample       (n, N) uint16, see `links`
-    seen         (n + 4 m, l) uint64, see `light_seen`
     lights       that shine: the scene's, and suns of its environment
     environment  what it sends to a cloud of albedo 1
-    second       what the rays of gather samples meet, where the second bounce has gloss
+    second       (n_g, R) uint16, what rays of gather samples meet, where that bounce has gloss
     """
 
     bounce: PackedRows
     sample: NDArray[np.uint16]
-    seen: NDArray[np.uint64]
     lights: tuple[Light, ...]
     environment: EnvironmentLight
-    second: SecondRays | None
+    second: NDArray[np.uint16] | None
 
 
 @dataclass(frozen=True)
@@ -119,10 +118,7 @@ class Freezer:
         beyond = transport.environment.radiance if lit else np.zeros((0, 3), np.float32)
         self._points = Places(view, scene.material_table)
         self._suns = transport.lights[len(scene.lights) :]
-        behind = transport.second.seen if transport.second is not None else None
-        self._lighting = Lighting(
-            view, self._points, cloud, transport.lights, transport.seen, behind
-        )
+        self._lighting = Lighting(view, self._points, cloud, self._second is not None)
         lights = shining([])
         no_light = np.zeros((0, 1, 3), np.float32)
         self._arriving = Arriving(
@@ -136,7 +132,9 @@ class Freezer:
         self, material: int, table: MaterialTable, lights: tuple[Light, ...], scale: int
     ) -> Hand:
         """A material of a table in hand, -1 for none, under lights of the scene."""
-        s, lit = self._settings, self._lighting.of((*lights, *self._suns), scale)
+        s, surface = self._settings, self._points.surface(table)
+        glossy = (surface.material >= 0) & _glossy(table, material)[surface.material]
+        lit = self._lighting.of((*lights, *self._suns), scale, glossy)
         matt, gloss = albedos = albedos_of(table, s)
         of = self._cloud.points.material
         base = self._texture * matt[of]
@@ -150,7 +148,6 @@ class Freezer:
         later, sent = self._within.powers(self._environment + lit.first, fixed, edited, s.bounces)
         if material < 0:
             later = Later(*(np.ascontiguousarray(a[:, :1]) for a in later))
-        surface = self._points.surface(table)
         arriving = self._arriving._replace(
             powers=later.radiance,
             matt=_even_albedos(table),
@@ -163,11 +160,11 @@ class Freezer:
                 later, base.astype(np.float32), self._texture,
                 (matt + gloss)[material], arriving.beyond,
             )  # fmt: skip
-            rays = self._second._replace(seen=lit.second)
+            rays = SecondRays(self._second, lit.second)
             second = second_bounce(self._cloud, rays, table, material, came, lit.lights, s)
             arriving = arriving._replace(second=second)
         every = self._points.pixels(scale)
-        arriving = arriving._replace(even=shared(surface, arriving, material, every))
+        arriving = arriving._replace(even=shared(surface, arriving, material, every, scale))
         slots, pixels = Slots(0, 0, s.bands, s.basis == "tents"), np.zeros(0, np.int32)
         if material >= 0:
             layers = LAYERS[table.model[material]]
@@ -195,6 +192,16 @@ class Freezer:
         if self._scene.environment is None:
             return np.zeros((len(self._cloud), 3), np.float32)
         return transport.environment.gather * np.float32(np.pi)
+
+
+def _glossy(table: MaterialTable, hand: int) -> NDArray[np.bool_]:
+    """(m,): whether materials are more than matt; that in hand may become so."""
+    found = np.ones(len(table.model), np.bool_)
+    for m, model in enumerate(table.model):
+        layers = LAYERS[model]
+        if layers is not None and layers.even:
+            found[m] = layers.curves > 0 if m == hand else not is_matt.py_func(table.row[m])
+    return found
 
 
 def _even_albedos(table: MaterialTable) -> NDArray[np.float32]:

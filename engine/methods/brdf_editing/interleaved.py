@@ -34,8 +34,13 @@ SAME_NORMAL = 0.9  # cosine between normals of one surface
 SAME_PLANE = 2.0  # widths of a pixel that a neighbour may lie above or below
 
 
-def shared(surface: Surface, arriving: Arriving, hand: int, pixels: NDArray[np.int32]) -> Even:
-    """What reaches the centres of pixels (k,), and of those whose rays they take; 0 elsewhere."""
+def shared(
+    surface: Surface, arriving: Arriving, hand: int, pixels: NDArray[np.int32], scale: int
+) -> Even:
+    """What reaches the centres of pixels (k,), and of those whose rays they take; 0 elsewhere.
+
+    Of every scale-th ray: small pictures are looked at for a moment.
+    """
     n, degrees, slots = len(surface.edge), arriving.powers.shape[1], arriving.second.slots
     edge = surface.edge[pixels]
     there = np.zeros(n, np.bool_)
@@ -45,7 +50,9 @@ def shared(surface: Surface, arriving: Arriving, hand: int, pixels: NDArray[np.i
     light = np.zeros((n, degrees, 3), np.float32)
     behind = np.zeros((n, slots, degrees, 3), np.float32)
     rows = in_lanes(arriving.powers)
-    for_ranges(_gather, len(some), surface, arriving, rows, hand, some, light, behind, grain=64)
+    for_ranges(
+        _gather, len(some), surface, arriving, rows, hand, some, scale, light, behind, grain=64
+    )
     rows = np.concatenate([light[:, None], behind], axis=1).reshape(n, -1)
     reach = min(
         SIDE // 2, arriving.width // WIDTHS
@@ -62,20 +69,20 @@ def shared(surface: Surface, arriving: Arriving, hand: int, pixels: NDArray[np.i
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _gather(begin, end, surface, arriving, brought, hand, some, even, behind):
+def _gather(begin, end, surface, arriving, brought, hand, some, step, even, behind):
     surface, arriving = borrow(surface), borrow(arriving)
     cosines, degrees = arriving.patterns.cosines, even.shape[1]
     kind = arriving.second.kind
     room = np.zeros((degrees, 3), np.float32)
     total = np.zeros(brought.shape[1], np.float32)
-    share = np.float32(1.0 / cosines)
+    share = np.float32(step / cosines)
     for q in range(begin, end):
         i = some[q]
         z, g = vec(surface.normal, i), vec(surface.geometric, i)
         s, t = tangents(z)
         pattern, sample = pattern_of(i, arriving.width), arriving.sample[i]
         total[:] = 0.0
-        for k in range(cosines):
+        for k in range(0, cosines, step):
             y = sample[k]
             # These rays count alike, so that no direction need be known but of those that leave
             # the scene, or meet gloss.

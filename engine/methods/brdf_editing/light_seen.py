@@ -54,7 +54,7 @@ def shining(all_lights: Sequence[Light], most: int = MOST) -> Shining:
     return Shining(table.kind, table.row, table.texels, count, place)
 
 
-@njit
+@njit(inline="always")
 def from_lamp(surface, light, at, lamp, k):
     """(direction, radiance times solid angle) of point k of a light, as seen from a surface."""
     wx, wy, wz, _, red, green, blue = illuminate(

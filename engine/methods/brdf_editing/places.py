@@ -43,9 +43,16 @@ class Places:
             joined("size"), material, joined("model"), row,
             np.ascontiguousarray(self._texture[:, :3]), edge, buffer.donor,
         )  # fmt: skip
+        self._known = table, self._of(table)
 
     def surface(self, table: MaterialTable) -> Surface:
-        """All of them with the materials of a table."""
+        """All of them with the materials of a table; the last one's are kept."""
+        known = self._known[0]
+        if not (np.array_equal(known.row, table.row) and np.array_equal(known.model, table.model)):
+            self._known = table, self._of(table)
+        return self._known[1]
+
+    def _of(self, table: MaterialTable) -> Surface:
         material = self._surface.material
         row = table.row[material]
         row[:, :TEXTURED] *= self._texture

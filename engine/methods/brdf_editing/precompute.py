@@ -1,9 +1,8 @@
-"""Precompute: view samples, gather cloud, one bounce, what rays meet, which lights are seen."""
+"""Precompute: view samples, gather cloud, one bounce, what rays meet."""
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
@@ -13,12 +12,11 @@ import numpy as np
 from engine.light.base import Light
 from engine.methods.base import Progress
 from engine.methods.brdf_editing.hand import Transport
-from engine.methods.brdf_editing.light_seen import Shining, seen_of, shining
 from engine.methods.brdf_editing.links import Job as LinkJob
 from engine.methods.brdf_editing.links import link_chunk
 from engine.methods.brdf_editing.patterns import Patterns, patterns
 from engine.methods.brdf_editing.product import NAME, Polynomial
-from engine.methods.brdf_editing.second_tables import SecondRays, second_patterns
+from engine.methods.brdf_editing.second_tables import second_patterns
 from engine.methods.brdf_editing.settings import Settings
 from engine.methods.chunks import Arrays, run_chunks
 from engine.methods.fixed_view.cloud import GatherCloud
@@ -36,7 +34,6 @@ from engine.store import Store
 
 VERSION = 2  # of the stored arrays and of what they mean
 AT_RUN_TIME = ("bands", "second_bands", "basis", "bounces")
-POINTS = 16384  # of a chunk of `light_seen`
 
 Work = tuple[Callable[[int], Arrays], int]
 """What makes a chunk of its number, and how many there are."""
@@ -53,7 +50,7 @@ def precompute(
     progress("view samples", 1, 1)
     cloud = stored_cloud(entry, view, settings, "uniform", progress)
 
-    def made(name: str, job: Callable[[], Work], lit: str = "") -> Arrays:
+    def made(name: str, job: Callable[[], Work]) -> Arrays:
         """Arrays from the store, or from the chunks that `job` tells how to make, and how many.
 
         lit is a digest of the lights that they depend on.
@@ -62,12 +59,12 @@ def precompute(
         def told(_: str, done: float, total: float) -> None:
             progress(name, done, total)
 
-        stored = entry.read(name + lit)
+        stored = entry.read(name)
         if stored is not None:
             return dict(stored.arrays)
         make, chunks = job()
-        arrays = run_chunks(make, chunks, name + lit, parts, executor, told)
-        entry.write(name + lit, arrays, {})
+        arrays = run_chunks(make, chunks, name, parts, executor, told)
+        entry.write(name, arrays, {})
         return arrays
 
     bounce = made("bounce", lambda: _bounces(scene, settings, cloud))
@@ -78,34 +75,13 @@ def precompute(
     if scene.environment is not None:
         environment.use(scene.environment)
         suns = environment.suns
-    lights = (*scene.lights, *suns)
-    digest = hashlib.blake2b(digest_size=8)
-    digest.update("\n".join(light.model_dump_json() for light in lights).encode())
-    # Other lights are looked for anew.
-    lit, on = f"-{digest.hexdigest()}", shining(lights)
-    pixels = (view.buffer.centre, view.buffer.sub)
-    seen = made("shadows", lambda: _seen(scene, pixels, on), lit)["seen"]
     second = None
     if settings.second_bands > 1:
-        met = made("second-links", lambda: _second_links(scene, cloud))["sample"]
-        of_cloud = made("second-shadows", lambda: _seen(scene, (cloud.points,), on), lit)["seen"]
-        second = SecondRays(met, of_cloud)
+        second = made("second-links", lambda: _second_links(scene, cloud))["sample"]
     parts.remove()
     rows = PackedRows(*(bounce[name] for name in PackedRows._fields))
-    transport = Transport(rows, sample, seen, lights, environment, second)
+    transport = Transport(rows, sample, (*scene.lights, *suns), environment, second)
     return Polynomial(view, settings, cloud, transport)
-
-
-def _seen(scene: Scene, of: Sequence[Points], on: Shining) -> Work:
-    """Of some points, then of others."""
-    pieces = [(points, start) for points in of for start in range(0, len(points), POINTS)]
-
-    def chunk(number: int) -> Arrays:
-        points, start = pieces[number]
-        stop = min(start + POINTS, len(points))
-        return {"seen": seen_of(scene.rays, points, on, start, stop)}
-
-    return chunk, len(pieces)
 
 
 def _environment_light(cloud: GatherCloud, rows: PackedRows) -> EnvironmentLight:

@@ -52,8 +52,8 @@ class Polynomial:
     def bytes(self) -> int:
         """Bytes of the transport."""
         t = self.transport
-        arrays = (t.sample, t.seen, *t.bounce, *(t.second or ()))
-        return int(sum(a.nbytes for a in arrays))
+        second = 0 if t.second is None else t.second.nbytes
+        return t.sample.nbytes + second + sum(array.nbytes for array in t.bounce)
 
     @property
     def bytes_in_hand(self) -> int:

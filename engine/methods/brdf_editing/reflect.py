@@ -21,12 +21,12 @@ from engine.methods.brdf_editing.arriving import (
     part_of,
 )
 from engine.methods.brdf_editing.fold import Folded, to_steps
-from engine.methods.brdf_editing.light_seen import Shining, from_lamp
+from engine.methods.brdf_editing.light_seen import from_lamp
 from engine.methods.brdf_editing.patterns import pattern_of, ray_of, weight_of
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
-from engine.numerics.vec import dot, vec
+from engine.numerics.vec import vec
 
 evaluate = brdfs.evaluate
 
@@ -144,26 +144,3 @@ def _reflect_lights(surface, arriving, at, parts, out):
             f = evaluate(model, p, wi, wo)
             for c in range(3):
                 out[c] += wi[2] / (count * parts) * f[c] * light[c]
-
-
-def direct_of(surface: Surface, lights: Shining, seen: NDArray[np.uint64]) -> NDArray[np.float32]:
-    """(n + 4 m, 3) float32: irradiance over π by the lights themselves."""
-    out = np.zeros((len(surface.model), 3), np.float32)
-    for_ranges(_irradiance, len(out), surface, lights, seen, out, grain=256)
-    return out
-
-
-@njit(cache=True, nogil=True)
-def _irradiance(begin, end, surface, lights, seen, out):
-    surface, lights = borrow(surface), borrow(lights)
-    for at in range(begin, end):
-        n = vec(surface.normal, at)
-        for lamp in range(lights.kind.shape[0]):
-            bits, count = seen[at, lamp], lights.points[lamp]
-            for k in range(count):
-                if (bits >> np.uint64(k)) & np.uint64(1) == 0:
-                    continue
-                w, light = from_lamp(surface, lights, at, lamp, k)
-                cosine = max(0.0, dot(n, w)) / (count * math.pi)
-                for c in range(3):
-                    out[at, c] += cosine * light[c]

@@ -88,24 +88,45 @@ def light_on_pixels(
 
 def light_on_buffer(rays: RayTracer, buffer: FrameBuffer, light: Light) -> NDArray[np.float32]:
     """Reflected radiance (n, 3) float32 per pixel, antialiased as if four times supersampled."""
+    radiance = light_on_centres(rays, buffer, light)
+    average(buffer.edge, light_on_subsamples(rays, buffer, light), radiance)
+    return radiance
+
+
+def light_on_centres(rays: RayTracer, buffer: FrameBuffer, light: Light) -> NDArray[np.float32]:
+    """The same of the surfaces in the pixels' centres (n, 3): only shadows are antialiased."""
     centre, width = buffer.centre, buffer.camera.width
     if light.has_extent:
-        radiance = _soft_light(rays, centre, buffer.alike, width, light, PER_PENUMBRA_PIXEL)
-    else:
-        radiance, visible = _light(rays, centre, light, CENTRE)
-        skip = np.zeros(len(centre), np.bool_)
-        skip[buffer.edge] = True
-        # Where light ends within a pixel, light its tangent plane at a finer grid of places.
-        pixel = light_edges(visible, skip, width)
-        places = on_tangent_planes(
-            pixel, buffer.camera.position, centre.view, centre.position, centre.geometric, width,
-            FINE,
-        )  # fmt: skip
-        fine, _ = _light(rays, centre, light, CENTRE, np.repeat(pixel, len(FINE)), places)
-        average(pixel, fine, radiance)
-    sub, _ = _light(rays, buffer.sub, light, light_samples(light, PER_SUBSAMPLE))
-    average(buffer.edge, sub, radiance)
+        return _soft_light(rays, centre, buffer.alike, width, light, PER_PENUMBRA_PIXEL)
+    radiance, visible = _light(rays, centre, light, CENTRE)
+    skip = np.zeros(len(centre), np.bool_)
+    skip[buffer.edge] = True
+    # Where light ends within a pixel, light its tangent plane at a finer grid of places.
+    pixel = light_edges(visible, skip, width)
+    places = on_tangent_planes(
+        pixel, buffer.camera.position, centre.view, centre.position, centre.geometric, width, FINE
+    )
+    fine, _ = _light(rays, centre, light, CENTRE, np.repeat(pixel, len(FINE)), places)
+    average(pixel, fine, radiance)
     return radiance
+
+
+def light_on_subsamples(rays: RayTracer, buffer: FrameBuffer, light: Light) -> NDArray[np.float32]:
+    """The same of the four sub-samples of each edge pixel (4m, 3)."""
+    return _light(rays, buffer.sub, light, light_samples(light, PER_SUBSAMPLE))[0]
+
+
+def seen_nearby(
+    rays: RayTracer, points: Points, width: int, table: LightTable
+) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    """What one ray from each pixel of a picture so wide tells of the one light with extent.
+
+    (n, 2) float32: what each finds, see `look`; (n,) uint8: HIDDEN, VISIBLE or both, for what all
+    within PROBE_REACH find.
+    """
+    every = np.arange(len(points), dtype=np.int32)
+    seen, visible = _look(rays, points, table, every, probes())
+    return seen, seen_around(visible, width, PROBE_REACH)
 
 
 def _soft_light(
@@ -126,8 +147,7 @@ def _soft_light(
     table = light_table([light])
     if not len(table.kind):
         return out
-    seen, visible = _look(rays, points, table, np.arange(n, dtype=np.int32), probes())
-    near = seen_around(visible, width, PROBE_REACH)
+    seen, near = seen_nearby(rays, points, width, table)
 
     # Matt surfaces: what the light gives, times the part of it that is seen.
     penumbra = (near == HIDDEN | VISIBLE) & points.matt
