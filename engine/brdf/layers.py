@@ -6,8 +6,9 @@
 
 with the quotients q_l fixed, and the colours a_l and curves f_l made from the material's
 parameters. γ is the angle between the half vector and the normal, or that between wi and the
-mirrored view. What Schlick's Fresnel makes of a curve is two of them (eq. 32), and what it leaves
-to a coupled base three constants. `engine.brdf.curve_basis` holds the curves.
+mirrored view. What Schlick's Fresnel makes of a curve is two of them (eq. 32), times F0 and F90 so
+that a texture of the specular reflectance multiplies the first, and what it leaves to a coupled
+base three constants. `engine.brdf.curve_basis` holds the curves.
 
 A row `p` that the quotients are taken from is that of the material when it was taken in hand. Of
 parameters that are neither a colour nor the width of the lobe, the quotients keep the old value:
@@ -118,14 +119,14 @@ def _blinn_phong(p, wi, wo):
 @njit
 def _of_facets(visible, h, cos_d, wi, wo):
     """Facets under a base that is coupled to them; visible is G / (4 cos θ_i cos θ_o)."""
-    i, o = rise(wi[2]), rise(wo[2])
+    i, o, r = rise(wi[2]), rise(wo[2]), rise(cos_d)
     return (
         place_of(h[2]),
         1.0 / math.pi,
         (i + o) / math.pi,
         i * o / math.pi,
-        visible,
-        visible * rise(cos_d),
+        visible * (1.0 - r),
+        visible * r,
     )
 
 
@@ -151,7 +152,8 @@ def _ashikhmin_shirley(p, wi, wo):
     power = (x + ratio * y) / (x + y) if x + y > 0.0 else 1.0
     matt = ashikhmin_shirley.matt(wi, wo)
     lobe = 1.0 / (4.0 * max(1e-30, cos_d * max(wi[2], wo[2])))
-    return (place_of(min(1.0, h[2]) ** power), matt, 0.0, 0.0, lobe, lobe * rise(cos_d))
+    r = rise(cos_d)
+    return (place_of(min(1.0, h[2]) ** power), matt, 0.0, 0.0, lobe * (1.0 - r), lobe * r)
 
 
 def _diffuse_of(row: NDArray[np.float32]) -> NDArray[np.float64]:
@@ -166,10 +168,9 @@ def _specular(row: NDArray[np.float32]) -> NDArray[np.float64]:
     return row[SPECULAR : SPECULAR + 3].astype(np.float64)
 
 
-def _rise(row: NDArray[np.float32]) -> NDArray[np.float64]:
-    """(3,): F90 - F0."""
-    f0 = _specular(row)
-    return np.asarray(f90.py_func(f0) - f0, np.float64)
+def _grazing(row: NDArray[np.float32]) -> NDArray[np.float64]:
+    """(3,): F90."""
+    return np.full(3, f90.py_func(_specular(row)))
 
 
 def _power_lobe(
@@ -188,8 +189,8 @@ def _blinn_lobe(row: NDArray[np.float32], theta: NDArray[np.float64]) -> NDArray
 
 
 def _under_fresnel(row: NDArray[np.float32], lobe: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(2, n, 3): F0 and F90 - F0 times a lobe (n,), eq. 32."""
-    return np.stack([lobe[:, None] * _specular(row), lobe[:, None] * _rise(row)])
+    """(2, n, 3): F0 and F90 times a lobe (n,), eq. 32."""
+    return np.stack([lobe[:, None] * _specular(row), lobe[:, None] * _grazing(row)])
 
 
 def _beckmann_lobe(row: NDArray[np.float32], theta: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -225,7 +226,7 @@ def _ratio(row: NDArray[np.float32]) -> float:
 
 def _coupled_colours(row: NDArray[np.float32]) -> NDArray[np.float64]:
     """(3, 3): of 1, s_i + s_o and s_i s_o, from the product of what either direction passes."""
-    passed, rise = 1 - _specular(row), _rise(row)
+    passed, rise = 1 - _specular(row), _grazing(row) - _specular(row)
     unit = row[DIFFUSE : DIFFUSE + 3] / np.maximum(1e-9, passed - rise / 21)
     return unit * np.stack([passed**2, -passed * rise, rise**2])
 

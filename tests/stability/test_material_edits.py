@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,15 +22,12 @@ from engine.brdf.layers import LAYERS
 from engine.brdf.phong import Phong
 from engine.brdf.table import INDEX
 from engine.errors import EditError, EditNotSupported
-from engine.images import write_image
 from engine.methods import prepare
 from engine.methods.base import Frame
 from engine.methods.brdf_editing import Polynomial, Settings
 from engine.methods.brdf_editing.lobe_limits import bands_for, basis_error, lobe_of
 from engine.reference import render
-from engine.scene.build import build
 from engine.scene.edits import Edits, apply, parse
-from engine.scene.open import describe
 from engine.scene.scene import Scene
 from engine.store import Store
 
@@ -417,28 +413,6 @@ def test_from_one_extreme_to_the_other_and_back(make: Make) -> None:
     np.testing.assert_array_equal(product.relight(here).image, before)
 
 
-def test_textures_of_gloss_are_said_to_be_left_out(make: Make, tmp_path: Path) -> None:
-    """While their material is in hand, and not otherwise."""
-    write_image(tmp_path / "spots.png", np.linspace(0.2, 1, 48).reshape(4, 4, 3).astype(np.float32))
-    document = {
-        "camera": camera(16),
-        "lights": [POINT],
-        "materials": {
-            "wall": {**gloss(40, 0.2), "specular": {"texture": "spots.png"}},
-            "floor": {"type": "diffuse", "diffuse": {"texture": "spots.png"}},
-        },
-        "objects": [
-            {**rectangle("wall", [2, 2], [0, 0, -0.5]), "material": "wall"},
-            {**rectangle("floor", [2, 2], [0, -0.5, 0], [-90, 0, 0]), "material": "floor"},
-        ],
-    }
-    product = make(build(describe(document), tmp_path))
-    wall = product.relight(edit(wall={"exponent": 50}))
-    assert "'wall'" in message(wall, "textures_left_out")
-    on_floor = product.relight(edit(wall={"exponent": 50}, floor={"diffuse": [0.5] * 3}))
-    assert [w for w in on_floor.warnings if w.code == "textures_left_out"] == []
-
-
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -450,9 +424,3 @@ def test_textures_of_gloss_are_said_to_be_left_out(make: Make, tmp_path: Path) -
 def test_refusals_say_what_to_do_instead(make: Make, change: dict[str, Any], words: str) -> None:
     with pytest.raises(EditNotSupported, match=words):
         make(hall(GREY, GREY, [POINT])).relight(parse({"materials": {"floor": change}}))
-
-
-def test_edits_bring_no_new_textures(make: Make) -> None:
-    with pytest.raises(EditError, match="constants only, not textures") as error:
-        make(hall(GREY, GREY, [POINT])).relight(edit(floor={"diffuse": {"texture": "new.png"}}))
-    assert error.value.field == "materials.floor.diffuse"

@@ -16,23 +16,37 @@ Albedos = NDArray[np.float64]
 """(2, m, 3): of the constants, and of the curves, of all materials."""
 
 
-def albedos_of(table: MaterialTable, settings: Settings) -> Albedos:
-    """Those of all materials; what is not cut counts as glossy."""
+def albedos_of(table: MaterialTable, settings: Settings, gloss: NDArray[np.float64]) -> Albedos:
+    """Those of all materials; what is not cut counts as glossy.
+
+    gloss (m, 3) are means of textures of the specular reflectance.
+    """
     out = np.zeros((2, len(table.model), 3))
     for m, model in enumerate(table.model):
         if LAYERS[model] is None:
             out[1, m] = hemispherical_albedo(int(model), table.row[m])[0]
         else:
-            out[:, m] = albedo_of(int(model), table.row[m], table.row[m], settings)
+            row = table.row[m]
+            out[:, m] = albedo_of(int(model), row, row, settings, gloss[m])
     return out
 
 
 def albedo_of(
-    model: int, row: NDArray[np.float32], taken: NDArray[np.float32], settings: Settings
+    model: int,
+    row: NDArray[np.float32],
+    taken: NDArray[np.float32],
+    settings: Settings,
+    gloss: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """(2, 3): those of a row whose quotients are `taken` from another."""
     layers = LAYERS[model]
     assert layers is not None
     colours, lobes = coefficients(layers, row, settings.bands, settings.basis)
+    lobes = averaged(lobes, gloss)
     known = shares(model, taken, settings.bands, settings.basis)
     return np.stack([known.albedo(colours, 0 * lobes), known.albedo(0 * colours, lobes)])
+
+
+def averaged(lobes: NDArray[np.float64], gloss: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Curves (curves, count, 3) as later bounces see them, under a mean texture (3,) (§5.3)."""
+    return np.concatenate([lobes[:1] * gloss, lobes[1:]])

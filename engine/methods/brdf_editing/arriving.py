@@ -70,7 +70,7 @@ class Surface(NamedTuple):
 
     position, normal, geometric, size  as of `Points`, and eye, its view
     material, model, row  (n + 4 m,) as materials are now, row with their textures
-    texture (n + 4 m, 3)  factor of the diffuse reflectance
+    texture, gloss (n + 4 m, 3)  factors of the diffuse and specular reflectance
     edge    (n,) int32    which of the m edge pixels each is, -1 for none
     donor   (4 m,) int32  the pixel whose rays a sub-sample takes
     """
@@ -84,6 +84,7 @@ class Surface(NamedTuple):
     model: NDArray[np.int32]
     row: NDArray[np.float32]
     texture: NDArray[np.float32]
+    gloss: NDArray[np.float32]
     edge: NDArray[np.int32]
     donor: NDArray[np.int32]
 

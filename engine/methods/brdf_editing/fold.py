@@ -86,7 +86,7 @@ def _fold(begin, end, surface, arriving, rows, pixels, hand, slots, steps, unit)
     degrees, lanes = steps.shape[1], rows.shape[1]
     total = np.zeros((steps.shape[3], lanes), np.float32)
     room = np.zeros((arriving.sample.shape[1], lanes), np.float32)
-    one, own = np.zeros((degrees, 3), np.float32), np.zeros((CONSTANTS, lanes), np.float32)
+    one, part_of_it = np.zeros((degrees, 3), np.float32), np.zeros_like(total)
     is_even = arriving.matt[hand, 0] >= 0.0
     for q in range(begin, end):
         total[:] = 0.0
@@ -104,15 +104,13 @@ def _fold(begin, end, surface, arriving, rows, pixels, hand, slots, steps, unit)
                         total[0, 3 * n + c] += one[n, c]
             if slots.curves > 0 or not is_even:
                 first = 1 if is_even else 0
-                own[:] = 0.0
+                part_of_it[:] = 0.0
                 fetch(rows, arriving.sample[link], part, parts, room)
                 _fold_rays(
-                    surface, arriving, at, link, part, parts, slots, first, one, room, own, total
+                    surface, arriving, at, link, part, parts, slots, first, one, room, part_of_it
                 )
-                for slot in range(first, slots.constants):
-                    for k in range(3 * degrees):
-                        total[slot, k] += surface.texture[at, k % 3] * own[slot, k]
-                _fold_lights(surface, arriving, at, parts, slots, total)
+                _fold_lights(surface, arriving, at, parts, slots, part_of_it)
+                _add_textured(surface, at, slots, degrees, part_of_it, total)
             else:
                 for c in range(3):
                     lit = surface.texture[at, c] * arriving.direct[at, c]
@@ -121,7 +119,7 @@ def _fold(begin, end, surface, arriving, rows, pixels, hand, slots, steps, unit)
 
 
 @njit(fastmath={"contract", "reassoc"})
-def _fold_rays(surface, arriving, at, link, part, parts, slots, first, one, room, own, total):
+def _fold_rays(surface, arriving, at, link, part, parts, slots, first, one, room, total):
     p, model = surface.row[at], surface.model[at]
     z, g = vec(surface.normal, at), vec(surface.geometric, at)
     s, t = tangents(z)
@@ -140,7 +138,7 @@ def _fold_rays(surface, arriving, at, link, part, parts, slots, first, one, room
                     came[3 * n + c] = rest[n, c]
         f, weight = factors(model, p, wi, wo), weight_of(patterns, wi, wo)
         for c in range(first, slots.constants):
-            add_lanes(own[c], weight * f[1 + c], came)
+            add_lanes(total[c], weight * f[1 + c], came)
         if slots.curves > 0:
             j, here, there = weights_at(f[0], slots.bands, slots.tents)
             for c in range(slots.curves):
@@ -155,7 +153,7 @@ def _fold_lights(surface, arriving, at, parts, slots, total):
     p, model, z = surface.row[at], surface.model[at], vec(surface.normal, at)
     lights = arriving.lights
     s, t = tangents(z)
-    wo, texture = to_local(vec(surface.eye, at), s, t, z), vec(surface.texture, at)
+    wo = to_local(vec(surface.eye, at), s, t, z)
     for lamp in range(lights.kind.shape[0]):
         bits, count = arriving.seen[at, lamp], lights.points[lamp]
         for k in range(count):
@@ -168,7 +166,7 @@ def _fold_lights(surface, arriving, at, parts, slots, total):
             f, weight = factors(model, p, wi, wo), wi[2] / (count * parts)
             for c in range(slots.constants):
                 for channel in range(3):
-                    total[c, channel] += weight * f[1 + c] * texture[channel] * light[channel]
+                    total[c, channel] += weight * f[1 + c] * light[channel]
             if slots.curves > 0:
                 j, here, there = weights_at(f[0], slots.bands, slots.tents)
                 for c in range(slots.curves):
@@ -178,6 +176,21 @@ def _fold_lights(surface, arriving, at, parts, slots, total):
                         total[slot, channel] += value * here * light[channel]
                         if there > 0.0:
                             total[slot + 1, channel] += value * there * light[channel]
+
+
+@njit
+def _add_textured(surface, at, slots, degrees, found, total):
+    """Add what a part of a pixel found: constants and the first curve times its textures."""
+    diffuse, gloss, first = surface.texture[at], surface.gloss[at], slots.constants
+    for slot in range(found.shape[0]):
+        if slot < first:
+            for k in range(3 * degrees):
+                total[slot, k] += diffuse[k % 3] * found[slot, k]
+        elif slot < first + slots.bands:
+            for k in range(3 * degrees):
+                total[slot, k] += gloss[k % 3] * found[slot, k]
+        else:
+            add_lanes(total[slot], 1.0, found[slot])
 
 
 @njit

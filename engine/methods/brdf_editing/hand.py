@@ -65,6 +65,7 @@ class Hand:
     folded    F of those
     others    (n, deg + 1, 3) float32   V of all pixels
     behind    F of its second bounce, of all pixels or none
+    gloss     (3,) mean of the texture of its specular reflectance
     limits    what is left out
     """
 
@@ -76,6 +77,7 @@ class Hand:
     folded: Folded
     others: NDArray[np.float32]
     behind: Folded
+    gloss: NDArray[np.float64]
     limits: Limits
 
     def changed(self, table: MaterialTable) -> NDArray[np.intp]:
@@ -135,7 +137,7 @@ class Freezer:
         s, surface = self._settings, self._points.surface(table)
         glossy = (surface.material >= 0) & _glossy(table, material)[surface.material]
         lit = self._lighting.of((*lights, *self._suns), scale, glossy)
-        matt, gloss = albedos = albedos_of(table, s)
+        matt, gloss = albedos = albedos_of(table, s, self._points.mean_gloss)
         of = self._cloud.points.material
         base = self._texture * matt[of]
         albedo = (base + gloss[of]).astype(np.float32)
@@ -173,16 +175,17 @@ class Freezer:
             pixels = self._points.showing(material, scale)
         folded = fold(surface, arriving, pixels, material, slots)
         limits = limits_of(
-            self._scene.material_names, table, material, s, albedos, of, surface,
-            arriving, sent,
+            self._scene.material_names, table, material, s, albedos, self._points.mean_gloss, of,
+            surface, arriving, sent,
         )  # fmt: skip
         others, behind = reflect(surface, arriving, material, every)
-        return Hand(material, table, lights, scale, pixels, folded, others, behind, limits)
+        mean = self._points.mean_gloss[material]
+        return Hand(material, table, lights, scale, pixels, folded, others, behind, mean, limits)
 
     def _cloud_texture(self) -> NDArray[np.float32]:
         """(n_g, 3): what textures make of the diffuse part of gather samples' albedos."""
         table, of = self._scene.material_table, self._cloud.points.material
-        matt, gloss = albedos_of(table, self._settings)
+        matt, gloss = albedos_of(table, self._settings, self._points.mean_gloss)
         found = (self._cloud.albedo - gloss[of]) / np.maximum(matt[of], 1e-6)
         textured = (table.maps[of, 0] >= 0)[:, None] & (matt[of] > 1e-3)
         return np.where(textured, np.maximum(found, 0), 1).astype(np.float32)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.brdf.base import DIFFUSE
 from engine.brdf.layers import LAYERS
 from engine.diagnosis import Diagnosis
 from engine.methods.brdf_editing.albedos import Albedos, albedo_of
@@ -29,6 +30,7 @@ from engine.methods.brdf_editing.lobe_limits import (
 )
 from engine.methods.brdf_editing.polynomial import Sent
 from engine.methods.brdf_editing.settings import Settings
+from engine.scene.description import TEXTURE_SLOTS
 from engine.scene.scene import MaterialTable
 
 BUDGET = 0.05  # relative error below which nothing is said
@@ -47,6 +49,7 @@ class Limits:
     taken     its row as it was then
     sent      by the cloud
     albedos   of all materials
+    gloss     (3,) mean of the texture of its specular reflectance
     mirrored  (m, m): light of materials (columns) that pixels of materials (rows) may mirror
     spacing   rad: see `lamp_spacing`, of the material in hand
     said      of all others, whatever happens to that in hand
@@ -56,6 +59,7 @@ class Limits:
     taken: NDArray[np.float32]
     sent: Sent
     albedos: Albedos
+    gloss: NDArray[np.float64]
     mirrored: NDArray[np.float64]
     spacing: float
     said: tuple[Diagnosis, ...]
@@ -63,7 +67,8 @@ class Limits:
 
 def limits_of(
     names: Sequence[str], table: MaterialTable, hand: int, settings: Settings, albedos: Albedos,
-    of: NDArray[np.int32], surface: Surface, arriving: Arriving, sent: Sent,
+    gloss: NDArray[np.float64], of: NDArray[np.int32], surface: Surface, arriving: Arriving,
+    sent: Sent,
 ) -> Limits:  # fmt: skip
     """Those of the material `hand`, -1 for none; `of` (n_g,) are the materials of the cloud."""
     shown = surface.material[: len(surface.edge)]
@@ -77,11 +82,12 @@ def limits_of(
     for m, name in enumerate(names):
         if m != hand and (shown == m).any():
             said += _of_material(name, table, m, settings, albedos[:, m], apart[m])
-    if hand >= 0 and (table.maps[hand, 1:3] >= 0).any():
-        said.append(_textures(names[hand]))
+    if hand >= 0:
+        said += _textures(names[hand], table, hand)
     mirrored = _mirrored(len(names), of, surface, arriving)
     name, spacing = (names[hand], apart[hand]) if hand >= 0 else ("", 0.0)
-    return Limits(name, table.row[hand], sent, albedos, mirrored, spacing, tuple(said))
+    taken = table.row[hand]
+    return Limits(name, taken, sent, albedos, gloss[hand], mirrored, spacing, tuple(said))
 
 
 def warnings(
@@ -92,7 +98,9 @@ def warnings(
     if hand >= 0:
         row = table.row[hand]
         albedos = albedos.copy()
-        albedo = albedos[:, hand] = albedo_of(int(table.model[hand]), row, limits.taken, settings)
+        albedo = albedos[:, hand] = albedo_of(
+            int(table.model[hand]), row, limits.taken, settings, limits.gloss
+        )
         said += _of_material(limits.name, table, hand, settings, albedo, limits.spacing, True)
     if settings.second_bands == 1:
         said += _seen_as_matt(limits.mirrored, albedos)
@@ -175,13 +183,22 @@ def _more_rays(settings: Settings, lobe: Lobe, short: float) -> str:
     return f"set {' or '.join(advice)}." if advice else "the reference resolves it."
 
 
-def _textures(name: str) -> Diagnosis:
-    return Diagnosis(
-        "textures_left_out",
-        f"While {name!r} is in hand its gloss is taken as even: of its textures this method edits "
-        "under that of the diffuse reflectance alone. Those of specular reflectance and roughness "
-        "return when another material is taken in hand.",
-    )
+def _textures(name: str, table: MaterialTable, hand: int) -> Iterator[Diagnosis]:
+    layers, row = LAYERS[table.model[hand]], table.row[hand]
+    assert layers is not None
+    even = []
+    if table.maps[hand, TEXTURE_SLOTS.index("roughness")] >= 0:
+        even.append("its roughness")
+    # Of Fresnel's two curves the first is textured, and not what both leave to the base.
+    coupled = layers.curves > 1 and (row[DIFFUSE : DIFFUSE + 3] > 0).any()
+    if coupled and table.maps[hand, TEXTURE_SLOTS.index("specular")] >= 0:
+        even.append("what its gloss leaves to its base")
+    if even:
+        yield Diagnosis(
+            "textures_left_out",
+            f"While {name!r} is in hand {' and '.join(even)} stays the same everywhere. Its textures "
+            "are back when another material is taken in hand.",
+        )
 
 
 def _mirrored(

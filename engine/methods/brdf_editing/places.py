@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.brdf.base import GRAIN
+from engine.brdf.base import DIFFUSE, GRAIN, SPECULAR
 from engine.methods.brdf_editing.arriving import Surface
 from engine.methods.fixed_view.view import View
 from engine.scene.scene import MaterialTable
@@ -41,9 +41,12 @@ class Places:
         self._surface = Surface(
             joined("position"), joined("normal"), joined("geometric"), joined("view"),
             joined("size"), material, joined("model"), row,
-            np.ascontiguousarray(self._texture[:, :3]), edge, buffer.donor,
+            np.ascontiguousarray(self._texture[:, DIFFUSE : DIFFUSE + 3]),
+            np.ascontiguousarray(self._texture[:, SPECULAR : SPECULAR + 3]), edge, buffer.donor,
         )  # fmt: skip
         self._known = table, self._of(table)
+        self.mean_gloss = self._mean_gloss(len(table.model))
+        """(m, 3): means of textures of the specular reflectance, as seen; 1 for what is not."""
 
     def surface(self, table: MaterialTable) -> Surface:
         """All of them with the materials of a table; the last one's are kept."""
@@ -60,6 +63,14 @@ class Places:
         row[:, GRAIN:] = np.where(brushed, self._grain, 0)
         model = np.where(self._there, table.model[material], -1).astype(np.int32)
         return self._surface._replace(model=model, row=row)
+
+    def _mean_gloss(self, materials: int) -> NDArray[np.float64]:
+        centre = slice(len(self._surface.edge))
+        material, gloss = self._surface.material[centre], self._surface.gloss[centre]
+        shown = material >= 0
+        count = np.bincount(material[shown], minlength=materials)
+        total = [np.bincount(material[shown], c[shown], minlength=materials) for c in gloss.T]
+        return np.where(count, total / np.maximum(count, 1), 1).T
 
     def pixels(self, scale: int) -> NDArray[np.int32]:
         """(k,): every scale-th pixel of every scale-th row; scale 1 or 2."""

@@ -13,6 +13,7 @@ from engine.brdf.layers import LAYERS
 from engine.errors import EditNotSupported
 from engine.light.base import Light
 from engine.methods.base import Frame, MaterialFit, require_supported
+from engine.methods.brdf_editing.albedos import averaged
 from engine.methods.brdf_editing.evaluate import evaluate
 from engine.methods.brdf_editing.hand import Freezer, Hand, Transport, changed_materials
 from engine.methods.brdf_editing.limits import warnings
@@ -97,7 +98,7 @@ class Polynomial:
             assert layers is not None
             colours, lobes = coefficients(layers, table.row[m], s.bands, s.basis)
             known = shares(int(table.model[m]), hand.table.row[m], s.bands, s.basis)
-            albedo = known.albedo(colours, lobes)
+            albedo = known.albedo(colours, averaged(lobes, hand.gloss))
             if hand.behind.steps.size:
                 second = _row_by_row(*coefficients(layers, table.row[m], s.second_bands, s.basis))
         image = evaluate(
