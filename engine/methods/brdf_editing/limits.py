@@ -196,7 +196,7 @@ def _textures(name: str, table: MaterialTable, hand: int) -> Iterator[Diagnosis]
     if even:
         yield Diagnosis(
             "textures_left_out",
-            f"While {name!r} is in hand {' and '.join(even)} stays the same everywhere. Its textures "
+            f"While {name!r} is in hand {' and '.join(even)} stays the same everywhere. Textures "
             "are back when another material is taken in hand.",
         )
 

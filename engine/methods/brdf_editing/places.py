@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from engine.brdf.base import DIFFUSE, GRAIN, SPECULAR
 from engine.methods.brdf_editing.arriving import Surface
 from engine.methods.fixed_view.view import View
+from engine.numerics.parallel import for_ranges
 from engine.scene.scene import MaterialTable
 
 TEXTURED = 7  # places of a row that textures multiply
@@ -57,10 +59,10 @@ class Places:
 
     def _of(self, table: MaterialTable) -> Surface:
         material = self._surface.material
-        row = table.row[material]
-        row[:, :TEXTURED] *= self._texture
-        brushed = row[:, GRAIN:].any(axis=1, keepdims=True)
-        row[:, GRAIN:] = np.where(brushed, self._grain, 0)
+        row = np.zeros((len(material), table.row.shape[1]), np.float32)
+        for_ranges(
+            _fill, len(row), table.row, material, self._texture, self._grain, row, grain=4096
+        )
         model = np.where(self._there, table.model[material], -1).astype(np.int32)
         return self._surface._replace(model=model, row=row)
 
@@ -85,3 +87,21 @@ class Places:
         whole[edge >= 0] = part[edge[edge >= 0]]
         every = self._pixels[scale]
         return every[whole[every]]
+
+
+@njit(cache=True, nogil=True)
+def _fill(start, stop, table, material, texture, grain, out):
+    """Rows of materials, times textures, with the grain of each point where they have one."""
+    for i in range(start, stop):
+        m, brushed = material[i], False
+        for c in range(table.shape[1]):
+            value = table[m, c]
+            if c < TEXTURED:
+                out[i, c] = value * texture[i, c]
+            elif c < GRAIN:
+                out[i, c] = value
+            else:
+                brushed = brushed or value != 0.0
+        if brushed:
+            for c in range(GRAIN, table.shape[1]):
+                out[i, c] = grain[i, c - GRAIN]
