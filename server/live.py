@@ -14,7 +14,8 @@ import secrets
 from fastapi import WebSocket, WebSocketDisconnect
 from pydantic import TypeAdapter, ValidationError
 
-from engine.errors import InputError
+from engine.errors import Cancelled, InputError
+from engine.methods.interrupt import interruptible
 from server.maps import located
 from server.problems import describe, invalid
 from server.service import Service, with_job
@@ -88,6 +89,8 @@ class Session:
             try:
                 await asyncio.to_thread(self.stage.scene)
                 drawn = await self.service.worker.run(self._draw)
+            except Cancelled:
+                continue  # to the newer edit
             except Exception as error:
                 self._dirty = self._edit is not None and self._edit.seq > seq
                 await self._send_problem(seq, error)
@@ -119,7 +122,13 @@ class Session:
             seq=edit.seq,
             method=edit.method,
         )
-        return with_job(draw(self.stage, order), self._job)
+        with interruptible(lambda: self._has_moved_on(edit)):
+            return with_job(draw(self.stage, order), self._job)
+
+    def _has_moved_on(self, edit: LiveEdit) -> bool:
+        """Whether a frame would show what is edited no longer; a small one is done soon enough."""
+        now = self._edit
+        return edit.scale == 1 and now is not None and now.edits != edit.edits
 
     def _job_moved(self, state: JobState) -> None:
         """From the job's thread."""

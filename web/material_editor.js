@@ -60,6 +60,7 @@ export class MaterialEditor {
     this.state.hold(name);
     const row = [...this.list.children].find(({ dataset }) => dataset.name === name);
     row?.scrollIntoView({ block: "nearest" });
+    this.box.scrollIntoView({ block: "nearest" });
   }
 
   draw() {

@@ -33,12 +33,14 @@ from engine.methods.brdf_editing.arriving import (
 )
 from engine.methods.brdf_editing.light_seen import from_lamp
 from engine.methods.brdf_editing.patterns import pattern_of, ray_of, weight_of
+from engine.methods.interrupt import pieces
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import vec
 
 STEPS = 32767
+PIECE = 4096  # pixels that are folded in less than a tenth of a second
 
 
 class Folded(NamedTuple):
@@ -76,7 +78,10 @@ def fold(
         np.zeros((len(pixels), degrees), np.float32),
     )
     rows = in_lanes(arriving.powers)
-    for_ranges(_fold, len(pixels), surface, arriving, rows, pixels, hand, slots, *out, grain=64)
+    for piece in pieces(len(pixels), PIECE):
+        args = surface, arriving, rows, pixels[piece], hand, slots
+        part = out.steps[piece], out.unit[piece]
+        for_ranges(_fold, piece.stop - piece.start, *args, *part, grain=64)
     return out
 
 

@@ -24,6 +24,7 @@ from engine.methods.brdf_editing.arriving import (
 )
 from engine.methods.brdf_editing.links import BEYOND
 from engine.methods.brdf_editing.patterns import SIDE, pattern_of
+from engine.methods.interrupt import pieces
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import tangents, to_world
 from engine.numerics.parallel import for_ranges
@@ -31,6 +32,7 @@ from engine.numerics.vec import dot, sub, vec
 
 WIDTHS = 64  # of how far the window reaches, at least, in a picture: large pixels blur
 SAME_NORMAL = 0.9  # cosine between normals of one surface
+PIECE = 65536  # pixels that are gathered for in a tenth of a second
 SAME_PLANE = 2.0  # widths of a pixel that a neighbour may lie above or below
 
 
@@ -50,9 +52,9 @@ def shared(
     light = np.zeros((n, degrees, 3), np.float32)
     behind = np.zeros((n, slots, degrees, 3), np.float32)
     rows = in_lanes(arriving.powers)
-    for_ranges(
-        _gather, len(some), surface, arriving, rows, hand, some, scale, light, behind, grain=64
-    )
+    for piece in pieces(len(some), PIECE):
+        args = surface, arriving, rows, hand, some[piece], scale, light, behind
+        for_ranges(_gather, piece.stop - piece.start, *args, grain=64)
     rows = np.concatenate([light[:, None], behind], axis=1).reshape(n, -1)
     reach = min(
         SIDE // 2, arriving.width // WIDTHS
@@ -75,7 +77,7 @@ def _gather(begin, end, surface, arriving, brought, hand, some, step, even, behi
     kind = arriving.second.kind
     room = np.zeros((degrees, 3), np.float32)
     total = np.zeros(brought.shape[1], np.float32)
-    share = np.float32(step / cosines)
+    share = np.float32(1.0 / -(-cosines // step))
     for q in range(begin, end):
         i = some[q]
         z, g = vec(surface.normal, i), vec(surface.geometric, i)

@@ -129,8 +129,7 @@ class Lighting:
             return
         rays, buffer, seen, on = self._view.scene.rays, self._white, one.lit.seen, one.lit.lights
         count, where = len(buffer.centre), self._places.pixels(scale)
-        where = where[missing[where]]
-        one.asked[where] = True
+        where = asked = where[missing[where]]
         if on.points[0] == MOST:
             # One ray from each tells where nothing is hidden, or all.
             width = buffer.camera.width
@@ -140,7 +139,7 @@ class Lighting:
         seen[where] = _seen(rays, buffer.centre.take(where), on)
         sub = np.flatnonzero(missing[count:])
         seen[count + sub] = _seen(rays, buffer.sub.take(sub), on)
-        one.asked[count + sub] = True
+        one.asked[asked] = one.asked[count + sub] = True
 
     def _together(self, on: Sequence[Light], found: Sequence[Lit]) -> Lit:
         points, samples = self._count, len(self._cloud)

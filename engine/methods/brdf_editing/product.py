@@ -112,7 +112,7 @@ class Polynomial:
 
         Who names another one, changed or not, is about to change it: `{"floor": {}}` will do.
         """
-        before = self._named
+        before = self._named if self._hand is not None else -1
         names = list(edits.materials or {})
         now = self._named = self.view.scene.material_names.index(names[-1]) if names else -1
         if now in (-1, before) or LAYERS[table.model[now]] is None:
@@ -142,7 +142,9 @@ class Polynomial:
             changed, last = hand.changed(table), hand.material
         others = [m for m in changed if m != last]
         material = picked if picked >= 0 else int((last, *changed, *others)[-1])
-        self._hand = None  # its arrays make room for the new ones
+        if hand is None or hand.material != material or not hand.holds(table, lights):
+            self._hand = None  # its arrays make room for the new ones
+        # Else it is a small one, which is there still if nobody waits for the whole one.
         self._hand = self._freeze(material, table, lights, scale)
         return self._hand
 

@@ -20,9 +20,10 @@ from engine.methods.brdf_editing.arriving import (
     is_matt_light,
     part_of,
 )
-from engine.methods.brdf_editing.fold import Folded, to_steps
+from engine.methods.brdf_editing.fold import PIECE, Folded, to_steps
 from engine.methods.brdf_editing.light_seen import from_lamp
 from engine.methods.brdf_editing.patterns import pattern_of, ray_of, weight_of
+from engine.methods.interrupt import pieces
 from engine.numerics.borrow import borrow
 from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
@@ -47,9 +48,9 @@ def reflect(
         np.zeros((n if slots else 0, degrees), np.float32),
     )
     rows = in_lanes(arriving.powers)
-    for_ranges(
-        _reflect, len(pixels), surface, arriving, rows, hand, pixels, slots, out, *behind, grain=64
-    )
+    for piece in pieces(len(pixels), PIECE):
+        args = surface, arriving, rows, hand, pixels[piece], slots, out, *behind
+        for_ranges(_reflect, piece.stop - piece.start, *args, grain=64)
     return out, behind
 
 

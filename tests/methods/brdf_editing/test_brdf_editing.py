@@ -11,10 +11,11 @@ import pytest
 from methods.scenes import POINT, camera, rectangle, scene
 from numpy.typing import NDArray
 
-from engine.errors import EditNotSupported
+from engine.errors import Cancelled, EditNotSupported
 from engine.measure.edges import scene_edges
 from engine.methods import prepare
 from engine.methods.brdf_editing import Polynomial
+from engine.methods.interrupt import interruptible
 from engine.reference import render
 from engine.scene.edits import Edits, apply
 from engine.scene.scene import Scene
@@ -166,6 +167,23 @@ def test_a_material_is_taken_in_hand_before_it_changes(make: Make) -> None:
     first = hand_after(edit(left=other, back={}))
     assert first.material == names.index("left")
     assert hand_after(*[edit(left=other, back={})] * 2, edit(left=red, back={})) is first
+
+
+def test_a_whole_picture_stops_when_nobody_waits_and_the_small_one_is_there(make: Make) -> None:
+    product = make(corner())
+    blue, red = edit(left={"diffuse": [0.1, 0.2, 0.9]}), edit(left={"diffuse": [0.9, 0.2, 0.1]})
+    small = product.relight(blue, scale=2).image
+    hand = product._hand
+    with interruptible(lambda: True), pytest.raises(Cancelled):
+        product.relight(blue)
+    assert product._hand is hand
+    np.testing.assert_array_equal(product.relight(blue, scale=2).image, small)
+    # One that stops in the middle leaves nothing behind.
+    asked = iter([False, True])
+    with interruptible(lambda: next(asked)), pytest.raises(Cancelled):
+        product.relight(edit(floor={"exponent": 50}))
+    found = product.relight(red).image
+    np.testing.assert_array_equal(found, make(corner()).relight(red).image)
 
 
 def test_a_drag_there_and_back_returns_the_same_bits(make: Make) -> None:
