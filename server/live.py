@@ -41,6 +41,7 @@ class Session:
         self._edit: LiveEdit | None = None
         self._job: JobState | None = None
         self._dirty = False
+        self._stopped = False  # whether the last picture was given up for a newer one
         self._unacknowledged = 0
 
     async def run(self) -> None:
@@ -90,6 +91,7 @@ class Session:
                 await asyncio.to_thread(self.stage.scene)
                 drawn = await self.service.worker.run(self._draw)
             except Cancelled:
+                self._stopped = True
                 continue  # to the newer edit
             except Exception as error:
                 self._dirty = self._edit is not None and self._edit.seq > seq
@@ -122,7 +124,9 @@ class Session:
             seq=edit.seq,
             method=edit.method,
         )
-        with interruptible(lambda: self._has_moved_on(edit)):
+        # Once in a row, so that a client who asks for nothing but whole pictures gets some.
+        may_stop, self._stopped = not self._stopped, False
+        with interruptible(lambda: may_stop and self._has_moved_on(edit)):
             return with_job(draw(self.stage, order), self._job)
 
     def _has_moved_on(self, edit: LiveEdit) -> bool:

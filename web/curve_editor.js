@@ -55,7 +55,7 @@ export function curveEditor(label, schema, change) {
     const mean = values.reduce((sum, value, k) => sum + value * weights[k], 0);
     const over = mean > 1.005;
     const times = mean < 100 ? mean.toPrecision(3) : Math.round(mean).toLocaleString("en");
-    told.textContent = over ? `${times} times too much, scaled` : `covers ${(100 * mean).toFixed(0)} %`;
+    told.textContent = over ? `${times} times too much` : `covers ${(100 * mean).toFixed(0)} %`;
     told.classList.toggle("over", over);
   }
 

@@ -128,6 +128,7 @@ export class MaterialEditor {
       if (schema.minItems > 3) this.#curve(property, schema);
       else if (schema.type === "array") this.#reflectance(property, schema);
       else if (schema.type === "number") this.#number(property, schema);
+      else if (schema.enum) this.#choice(property, schema);
     }
   }
 
@@ -176,6 +177,14 @@ export class MaterialEditor {
     const change = (values, moving) => this.#change({ [name]: values }, moving);
     const { box, show } = curveEditor(words(name), schema, change);
     this.#add({ row: box, show: (now) => show(now[name]) });
+  }
+
+  // One of a few words.
+  #choice(name, { description: title, enum: choices }) {
+    const select = element("select", { title });
+    select.append(...choices.map((choice) => new Option(words(choice), choice)));
+    select.addEventListener("change", () => this.#change({ [name]: select.value }, false));
+    this.#add({ row: field(words(name), select), show: (now) => (select.value = now[name]) });
   }
 
   // Its colour, and how much of the light it is.

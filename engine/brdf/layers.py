@@ -64,6 +64,7 @@ class Layers:
     colours            row -> (constants, 3), the a_l
     lobes              (row, θ (n,)) -> (curves, n, 3), the f_l at angles γ
     held               row -> what of it the quotients keep
+    slack              how far that may be off in a picture that is looked at for a moment
     mirrored           whether γ is the angle to the mirrored view
     even               whether the first quotient is that of a matt surface, 1/π
     """
@@ -74,12 +75,18 @@ class Layers:
     colours: Callable[[NDArray[np.float32]], NDArray[np.float64]]
     lobes: Curves
     held: Callable[[NDArray[np.float32]], float] = _nothing
+    slack: float = 0.0
     mirrored: bool = False
     even: bool = True
 
-    def covers(self, p: NDArray[np.float32], row: NDArray[np.float32]) -> bool:
+    def covers(
+        self, p: NDArray[np.float32], row: NDArray[np.float32], *, loosely: bool = False
+    ) -> bool:
         """Whether quotients that were taken from p serve another row of the same model."""
-        return math.isclose(self.held(p), self.held(row), rel_tol=1e-5)
+        before, now = self.held(p), self.held(row)
+        return math.isclose(before, now, rel_tol=1e-5) or (
+            loosely and abs(before - now) <= self.slack
+        )
 
 
 @njit
@@ -239,8 +246,8 @@ _LAYERS: dict[ModuleType, Layers] = {
     diffuse: Layers(1, 0, _matt, _diffuse_of, _no_lobes),
     phong: Layers(1, 1, _phong, _diffuse_of, _phong_lobe, mirrored=True),
     blinn_phong: Layers(1, 1, _blinn_phong, _diffuse_of, _blinn_lobe),
-    # Smith's G knows the roughness.
-    ggx: Layers(3, 2, _ggx, _coupled_colours, _ggx_lobe, lambda row: float(row[ROUGHNESS])),
+    # Smith's G knows the roughness, and follows it slowly.
+    ggx: Layers(3, 2, _ggx, _coupled_colours, _ggx_lobe, lambda row: float(row[ROUGHNESS]), 0.2),
     cook_torrance: Layers(3, 2, _cook_torrance, _coupled_colours, _beckmann_lobe),
     half_angle_curve: Layers(3, 2, _cook_torrance, _coupled_colours, _free_lobe),
     ashikhmin_shirley: Layers(

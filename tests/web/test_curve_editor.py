@@ -109,8 +109,14 @@ def test_a_lobe_is_bent_by_hand(
         page.keyboard.press("ArrowLeft")
         for _ in range(9):
             page.keyboard.press("PageUp")
-        assert "times too much, scaled" in page.locator(".curve .told").inner_text()
+        assert "times too much" in page.locator(".curve .told").inner_text()
         assert np.abs(settled(page) - start).max() > 100
         assert page.locator("#problem").is_hidden()
+        # Or refused, and the picture stays.
+        page.get_by_label("Energy").select_option("refuse")
+        page.wait_for_selector("#problem:visible")
+        assert "would reflect more than they receive" in page.locator("#problem").inner_text()
+        page.get_by_label("Energy").select_option("scale")
+        page.wait_for_selector("#problem", state="hidden")
         page.get_by_role("button", name="Reset", exact=True).last.click()
         assert page.locator(".curve").count() == 0

@@ -84,8 +84,10 @@ class Hand:
         """Which materials of a table are others."""
         return changed_materials(self.table, table)
 
-    def holds(self, table: MaterialTable, lights: tuple[Light, ...]) -> bool:
-        """Whether frames of a table under lights can be made with it."""
+    def holds(
+        self, table: MaterialTable, lights: tuple[Light, ...], *, loosely: bool = False
+    ) -> bool:
+        """Whether frames of a table under lights can be made with it; see `Layers.covers`."""
         m, changed = self.material, self.changed(table)
         if lights != self.lights:
             return False
@@ -96,7 +98,7 @@ class Hand:
             list(changed) == [m]
             and table.model[m] == self.table.model[m]
             and layers is not None
-            and layers.covers(self.table.row[m], table.row[m])
+            and layers.covers(self.table.row[m], table.row[m], loosely=loosely)
         )
 
 

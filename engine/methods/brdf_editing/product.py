@@ -124,7 +124,8 @@ class Polynomial:
     ) -> Hand:
         """The hand that holds what differs; another one where it has to be, or is picked.
 
-        While the hand moves it is one of a quarter of the pixels, and so is there at once.
+        While the hand moves it is one of a quarter of the pixels, and so is there at once, and
+        follows a roughness that quotients know for as long as they nearly do.
         """
         self._require_editable(table)
         hand = self._hand
@@ -132,7 +133,7 @@ class Polynomial:
             hand is not None
             and hand.scale in (1, scale)
             and picked in (-1, hand.material)
-            and hand.holds(table, lights)
+            and hand.holds(table, lights, loosely=scale > 1)
         ):
             return hand
         if hand is None:
@@ -142,7 +143,12 @@ class Polynomial:
             changed, last = hand.changed(table), hand.material
         others = [m for m in changed if m != last]
         material = picked if picked >= 0 else int((last, *changed, *others)[-1])
-        if hand is None or hand.material != material or not hand.holds(table, lights):
+        if not (
+            hand is not None
+            and hand.scale > scale
+            and hand.material == material
+            and hand.holds(table, lights, loosely=True)
+        ):
             self._hand = None  # its arrays make room for the new ones
         # Else it is a small one, which is there still if nobody waits for the whole one.
         self._hand = self._freeze(material, table, lights, scale)

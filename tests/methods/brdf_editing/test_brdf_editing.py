@@ -271,3 +271,24 @@ def test_a_second_product_is_read_from_the_store(make: Make) -> None:
     np.testing.assert_array_equal(again.relight(EDITS[2]).image, make(made).relight(EDITS[2]).image)
     other = replace(first.settings, bands=32, bounces=1)
     assert prepare(made, "brdf_editing", other).settings.bounces == 1
+
+
+def test_a_roughness_that_quotients_know_is_followed_while_the_hand_moves(make: Make) -> None:
+    """In small pictures by the hand that is there, nearly; in whole ones by one of its own."""
+    made = corner()
+    rough = [edit(floor={"type": "ggx", "specular": [0.6] * 3, "roughness": r}) for r in (0.4, 0.5)]
+    product = make(made)
+    product.relight(rough[0])
+    hand = product._hand
+    moving = product.relight(rough[1], scale=2).image
+    assert product._hand is hand
+    at_rest = product.relight(rough[1]).image
+    assert product._hand is not hand
+    np.testing.assert_array_equal(at_rest, make(made).relight(rough[1]).image)
+    whole = at_rest[::2, ::2]
+    before = make(made).relight(rough[0]).image[::2, ::2]
+    assert off(moving, whole) < 0.2 * off(before, whole)
+    far = edit(floor={"type": "ggx", "specular": [0.6] * 3, "roughness": 0.8})
+    product.relight(far, scale=2)
+    assert product._hand is not None
+    assert product._hand.scale == 2
