@@ -223,7 +223,7 @@ export class MaterialEditor {
   }
 }
 
-const kind = (type) => capital(type.replaceAll("_", "-"));
+const kind = (type) => (type === "ggx" ? "GGX" : capital(type.replaceAll("_", "-")));
 
 // A metal has no colour but that of its gloss.
 function swatch({ diffuse = [0.5, 0.5, 0.5], specular = [0, 0, 0] }) {

@@ -405,7 +405,7 @@ def test_metals_and_plastics_are_chosen_by_name(editing: Any) -> None:
     page.keyboard.press("Control+z")
     assert page.get_by_label("Type").evaluate("(n) => n.selectedOptions[0].text") == "gold"
     # Everything of every type has a name of its own and fits its column.
-    for kind in ("Ggx", "Ashikhmin-shirley", "Phong", "Diffuse"):
+    for kind in ("GGX", "Ashikhmin-shirley", "Phong", "Diffuse"):
         page.get_by_label("Type").select_option(label=kind)
         ids = page.evaluate("[...document.querySelectorAll('[id]')].map((n) => n.id)")
         assert len(ids) == len(set(ids))
