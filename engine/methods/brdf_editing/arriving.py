@@ -43,6 +43,7 @@ class Arriving(NamedTuple):
     patterns, width   which rays a pixel has
     sample            (n, N) uint16 what they meet
     powers            (n_g, deg + 1, 3) float32
+    rows              (n_g, lanes) float32, the same as `in_lanes` has it
     second            what samples with gloss send
     even              what matt surfaces receive, see `interleaved`
     matt              (materials, 3) float32 albedo of what is matt of them, -1 where nothing is
@@ -56,6 +57,7 @@ class Arriving(NamedTuple):
     width: int
     sample: NDArray[np.uint16]
     powers: NDArray[np.float32]
+    rows: NDArray[np.float32]
     second: Second
     even: Even
     matt: NDArray[np.float32]
@@ -135,17 +137,15 @@ def add_lanes(out, factor, came):
 
 @njit(inline="always")
 def came_along(arriving, sample, d, k, room):
-    """Radiance along ray k of direction d, (deg + 1, 3), written into `room` where it is not kept.
+    """Radiance along ray k of direction d, (deg + 1, 3), written into `room`.
 
-    Of the cloud, or of the environment.
+    Of gloss of the cloud, or of the environment; what the cloud sends all round is a row.
     """
     if sample == BEYOND:
         room[:] = 0.0
         if arriving.beyond.shape[0] > 0:
             room[0] = arriving.beyond[cell_of(d, DEPTH)]
         return room
-    if arriving.second.kind[sample] == MATT:
-        return arriving.powers[sample]
     if arriving.second.kind[sample] == FROZEN:
         sent(arriving.second, sample, d, k, room)
     else:

@@ -27,7 +27,6 @@ from engine.methods.brdf_editing.arriving import (
     add_lanes,
     came_along,
     fetch,
-    in_lanes,
     is_matt_light,
     part_of,
 )
@@ -77,18 +76,17 @@ def fold(
         np.zeros((len(pixels), degrees, 3, slots.every), np.int16),
         np.zeros((len(pixels), degrees), np.float32),
     )
-    rows = in_lanes(arriving.powers)
     for piece in pieces(len(pixels), PIECE):
-        args = surface, arriving, rows, pixels[piece], hand, slots
+        args = surface, arriving, pixels[piece], hand, slots
         part = out.steps[piece], out.unit[piece]
         for_ranges(_fold, piece.stop - piece.start, *args, *part, grain=64)
     return out
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _fold(begin, end, surface, arriving, rows, pixels, hand, slots, steps, unit):
+def _fold(begin, end, surface, arriving, pixels, hand, slots, steps, unit):
     surface, arriving = borrow(surface), borrow(arriving)
-    degrees, lanes = steps.shape[1], rows.shape[1]
+    degrees, lanes = steps.shape[1], arriving.rows.shape[1]
     total = np.zeros((steps.shape[3], lanes), np.float32)
     room = np.zeros((arriving.sample.shape[1], lanes), np.float32)
     one, part_of_it = np.zeros((degrees, 3), np.float32), np.zeros_like(total)
@@ -102,19 +100,16 @@ def _fold(begin, end, surface, arriving, rows, pixels, hand, slots, steps, unit)
             if surface.material[at] != hand:
                 continue
             if is_even:
-                one[:] = 0.0
-                add_even(arriving, link, parts, vec(surface.texture, at), one)
-                for n in range(degrees):
-                    for c in range(3):
-                        total[0, 3 * n + c] += one[n, c]
+                even = total[0, : 3 * degrees].reshape(degrees, 3)
+                add_even(arriving, link, parts, vec(surface.texture, at), even)
             if slots.curves > 0 or not is_even:
                 first = 1 if is_even else 0
                 part_of_it[:] = 0.0
-                fetch(rows, arriving.sample[link], part, parts, room)
+                fetch(arriving.rows, arriving.sample[link], part, parts, room)
                 _fold_rays(
                     surface, arriving, at, link, part, parts, slots, first, one, room, part_of_it
                 )
-                _fold_lights(surface, arriving, at, parts, slots, part_of_it)
+                _fold_lights(surface, arriving, at, parts, slots, room[0], part_of_it)
                 _add_textured(surface, at, slots, degrees, part_of_it, total)
             else:
                 for c in range(3):
@@ -142,23 +137,17 @@ def _fold_rays(surface, arriving, at, link, part, parts, slots, first, one, room
                 for c in range(3):
                     came[3 * n + c] = rest[n, c]
         f, weight = factors(model, p, wi, wo), weight_of(patterns, wi, wo)
-        for c in range(first, slots.constants):
-            add_lanes(total[c], weight * f[1 + c], came)
-        if slots.curves > 0:
-            j, here, there = weights_at(f[0], slots.bands, slots.tents)
-            for c in range(slots.curves):
-                slot, value = slots.constants + c * slots.bands + j, weight * f[1 + CONSTANTS + c]
-                add_lanes(total[slot], value * here, came)
-                if there > 0.0:
-                    add_lanes(total[slot + 1], value * there, came)
+        _add(total, f, weight, came, slots, first)
 
 
 @njit(fastmath={"contract", "reassoc"})
-def _fold_lights(surface, arriving, at, parts, slots, total):
+def _fold_lights(surface, arriving, at, parts, slots, came, total):
+    """Add what the lights send, which is light of degree 0 in a row `came` (lanes,)."""
     p, model, z = surface.row[at], surface.model[at], vec(surface.normal, at)
     lights = arriving.lights
     s, t = tangents(z)
     wo = to_local(vec(surface.eye, at), s, t, z)
+    came[:] = 0.0
     for lamp in range(lights.kind.shape[0]):
         bits, count = arriving.seen[at, lamp], lights.points[lamp]
         for k in range(count):
@@ -168,19 +157,23 @@ def _fold_lights(surface, arriving, at, parts, slots, total):
             wi = to_local(w, s, t, z)
             if wi[2] <= 0.0:
                 continue
-            f, weight = factors(model, p, wi, wo), wi[2] / (count * parts)
-            for c in range(slots.constants):
-                for channel in range(3):
-                    total[c, channel] += weight * f[1 + c] * light[channel]
-            if slots.curves > 0:
-                j, here, there = weights_at(f[0], slots.bands, slots.tents)
-                for c in range(slots.curves):
-                    slot = slots.constants + c * slots.bands + j
-                    value = weight * f[1 + CONSTANTS + c]
-                    for channel in range(3):
-                        total[slot, channel] += value * here * light[channel]
-                        if there > 0.0:
-                            total[slot + 1, channel] += value * there * light[channel]
+            for c in range(3):
+                came[c] = light[c]
+            _add(total, factors(model, p, wi, wo), wi[2] / (count * parts), came, slots, 0)
+
+
+@njit(inline="always")
+def _add(total, f, weight, came, slots, first):
+    """Add light times a weight to what the quotients f take from the first on, (slots, lanes)."""
+    for c in range(first, slots.constants):
+        add_lanes(total[c], weight * f[1 + c], came)
+    if slots.curves > 0:
+        j, here, there = weights_at(f[0], slots.bands, slots.tents)
+        for c in range(slots.curves):
+            slot, value = slots.constants + c * slots.bands + j, weight * f[1 + CONSTANTS + c]
+            add_lanes(total[slot], value * here, came)
+            if there > 0.0:
+                add_lanes(total[slot + 1], value * there, came)
 
 
 @njit

@@ -12,7 +12,7 @@ from engine.brdf.base import is_matt
 from engine.brdf.layers import LAYERS
 from engine.light.base import Light
 from engine.methods.brdf_editing.albedos import albedos_of
-from engine.methods.brdf_editing.arriving import Arriving, Even
+from engine.methods.brdf_editing.arriving import Arriving, Even, in_lanes
 from engine.methods.brdf_editing.fold import Folded, Slots, fold
 from engine.methods.brdf_editing.interleaved import shared
 from engine.methods.brdf_editing.light_seen import shining
@@ -65,7 +65,6 @@ class Hand:
     folded    F of those
     others    (n, deg + 1, 3) float32   V of all pixels
     behind    F of its second bounce, of all pixels or none
-    gloss     (3,) mean of the texture of its specular reflectance
     limits    what is left out
     """
 
@@ -77,7 +76,6 @@ class Hand:
     folded: Folded
     others: NDArray[np.float32]
     behind: Folded
-    gloss: NDArray[np.float64]
     limits: Limits
 
     def changed(self, table: MaterialTable) -> NDArray[np.intp]:
@@ -126,7 +124,7 @@ class Freezer:
         lights = shining([])
         no_light = np.zeros((0, 1, 3), np.float32)
         self._arriving = Arriving(
-            patterns(settings), scene.camera.width, transport.sample, no_light,
+            patterns(settings), scene.camera.width, transport.sample, no_light, no_light[:, 0],
             no_second(cloud, lights), Even(no_light, no_light[None]), no_light[:, 0], beyond,
             lights, np.zeros((0, 0), np.uint64), no_light[:, 0],
         )  # fmt: skip
@@ -154,6 +152,7 @@ class Freezer:
             later = Later(*(np.ascontiguousarray(a[:, :1]) for a in later))
         arriving = self._arriving._replace(
             powers=later.radiance,
+            rows=in_lanes(later.radiance),
             matt=_even_albedos(table),
             lights=lit.lights,
             seen=lit.seen,
@@ -181,8 +180,7 @@ class Freezer:
             surface, arriving, sent,
         )  # fmt: skip
         others, behind = reflect(surface, arriving, material, every)
-        mean = self._points.mean_gloss[material]
-        return Hand(material, table, lights, scale, pixels, folded, others, behind, mean, limits)
+        return Hand(material, table, lights, scale, pixels, folded, others, behind, limits)
 
     def _cloud_texture(self) -> NDArray[np.float32]:
         """(n_g, 3): what textures make of the diffuse part of gather samples' albedos."""

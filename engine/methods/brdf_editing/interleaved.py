@@ -19,7 +19,6 @@ from engine.methods.brdf_editing.arriving import (
     add_lanes,
     came_along,
     came_apart,
-    in_lanes,
     is_matt_light,
 )
 from engine.methods.brdf_editing.links import BEYOND
@@ -51,9 +50,8 @@ def shared(
     some = np.flatnonzero(there).astype(np.int32)
     light = np.zeros((n, degrees, 3), np.float32)
     behind = np.zeros((n, slots, degrees, 3), np.float32)
-    rows = in_lanes(arriving.powers)
     for piece in pieces(len(some), PIECE):
-        args = surface, arriving, rows, hand, some[piece], scale, light, behind
+        args = surface, arriving, hand, some[piece], scale, light, behind
         for_ranges(_gather, piece.stop - piece.start, *args, grain=64)
     rows = np.concatenate([light[:, None], behind], axis=1).reshape(n, -1)
     reach = min(
@@ -71,10 +69,10 @@ def shared(
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _gather(begin, end, surface, arriving, brought, hand, some, step, even, behind):
+def _gather(begin, end, surface, arriving, hand, some, step, even, behind):
     surface, arriving = borrow(surface), borrow(arriving)
     cosines, degrees = arriving.patterns.cosines, even.shape[1]
-    kind = arriving.second.kind
+    kind, brought = arriving.second.kind, arriving.rows
     room = np.zeros((degrees, 3), np.float32)
     total = np.zeros(brought.shape[1], np.float32)
     share = np.float32(1.0 / -(-cosines // step))

@@ -1,4 +1,4 @@
-"""Which parts of the scene's lights each view sample sees: found once, while they stand.
+"""Which parts of lights each view sample sees; `lighting` asks when a light or a gloss is new.
 
 A light with extent is 64 points in a grid, and what a view sample sees of it 64 bits.
 """

@@ -51,10 +51,7 @@ def precompute(
     cloud = stored_cloud(entry, view, settings, "uniform", progress)
 
     def made(name: str, job: Callable[[], Work]) -> Arrays:
-        """Arrays from the store, or from the chunks that `job` tells how to make, and how many.
-
-        lit is a digest of the lights that they depend on.
-        """
+        """Arrays from the store, or from the chunks that `job` tells how to make, and how many."""
 
         def told(_: str, done: float, total: float) -> None:
             progress(name, done, total)

@@ -98,7 +98,7 @@ class Polynomial:
             assert layers is not None
             colours, lobes = coefficients(layers, table.row[m], s.bands, s.basis)
             known = shares(int(table.model[m]), hand.table.row[m], s.bands, s.basis)
-            albedo = known.albedo(colours, averaged(lobes, hand.gloss))
+            albedo = known.albedo(colours, averaged(lobes, hand.limits.gloss))
             if hand.behind.steps.size:
                 second = _row_by_row(*coefficients(layers, table.row[m], s.second_bands, s.basis))
         image = evaluate(

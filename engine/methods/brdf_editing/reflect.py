@@ -16,7 +16,6 @@ from engine.methods.brdf_editing.arriving import (
     add_even,
     came_apart,
     fetch,
-    in_lanes,
     is_matt_light,
     part_of,
 )
@@ -47,18 +46,17 @@ def reflect(
         np.zeros((n if slots else 0, degrees, 3, slots), np.int16),
         np.zeros((n if slots else 0, degrees), np.float32),
     )
-    rows = in_lanes(arriving.powers)
     for piece in pieces(len(pixels), PIECE):
-        args = surface, arriving, rows, hand, pixels[piece], slots, out, *behind
+        args = surface, arriving, hand, pixels[piece], slots, out, *behind
         for_ranges(_reflect, piece.stop - piece.start, *args, grain=64)
     return out, behind
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _reflect(begin, end, surface, arriving, rows, hand, pixels, slots, out, steps, unit):
+def _reflect(begin, end, surface, arriving, hand, pixels, slots, out, steps, unit):
     surface, arriving = borrow(surface), borrow(arriving)
     one = np.zeros((out.shape[1], 3), np.float32)
-    room = np.zeros((arriving.sample.shape[1], rows.shape[1]), np.float32)
+    room = np.zeros((arriving.sample.shape[1], arriving.rows.shape[1]), np.float32)
     behind = np.zeros((slots, out.shape[1], 3), np.float32)
     for q in range(begin, end):
         i = pixels[q]
@@ -78,7 +76,7 @@ def _reflect(begin, end, surface, arriving, rows, hand, pixels, slots, out, step
                 for c in range(3):
                     out[i, 0, c] += colour[c] * arriving.direct[at, c] / np.float32(parts)
             else:
-                fetch(rows, arriving.sample[link], part, parts, room)
+                fetch(arriving.rows, arriving.sample[link], part, parts, room)
                 _reflect_rays(
                     surface, arriving, at, link, part, parts, colour, one, room, behind, out[i]
                 )
