@@ -35,6 +35,7 @@ from engine.brdf.base import (
 )
 from engine.brdf.fresnel import fresnel
 from engine.numerics.description import Reflectance
+from engine.numerics.dispatch import formula
 from engine.numerics.sampling import cosine_hemisphere
 from engine.numerics.vec import add, dot, mul, reflect, scale
 
@@ -74,26 +75,26 @@ class AshikhminShirley(Material):
         return row
 
 
-@njit
+@formula
 def matt(wi, wo):
     """ρ_d over its colour."""
     return 28.0 / (23.0 * math.pi) * _base(wi[2]) * _base(wo[2])
 
 
-@njit
+@formula
 def _base(c):
     """What either direction, at the cosine c, contributes to ρ_d."""
     return 1.0 - (1.0 - 0.5 * c) ** 5
 
 
-@njit
+@formula
 def _base_colour(p):
     """R_d (1 - R_s)."""
     f0 = specular_colour(p)
     return mul(diffuse_colour(p), (1.0 - f0[0], 1.0 - f0[1], 1.0 - f0[2]))
 
 
-@njit
+@formula
 def _lobe(p, h):
     """√((n_u + 1)(n_v + 1)) / 2π · (n·h)^e, which is the density of the half vectors' sampler."""
     nu, nv = float(p[ROUGHNESS]), float(p[EXTRA])
@@ -103,7 +104,7 @@ def _lobe(p, h):
     return math.sqrt((nu + 1.0) * (nv + 1.0)) / (2.0 * math.pi) * power
 
 
-@njit
+@formula
 def evaluate(p, wi, wo):
     """ρ_d + ρ_s."""
     if wi[2] <= 0.0 or wo[2] <= 0.0:

@@ -22,6 +22,7 @@ from pydantic import Field
 
 from engine.brdf.base import ROUGHNESS, Material, diffuse_colour, share, specular_colour
 from engine.numerics.description import Reflectance
+from engine.numerics.dispatch import formula
 from engine.numerics.sampling import cosine_hemisphere, cosine_power_hemisphere
 from engine.numerics.vec import add, dot, normalize, reflect, scale
 
@@ -50,13 +51,13 @@ class BlinnPhong(Material):
         return self._fill(self.diffuse, self.specular, self.exponent)
 
 
-@njit
+@formula
 def normalisation(n):
     """N(n)."""
     return (n + 2.0) * (n + 4.0) / (8.0 * math.pi * (2.0 ** (-0.5 * n) + n))
 
 
-@njit
+@formula
 def evaluate(p, wi, wo):
     """k_d / π + k_s N(n) cosⁿ θ_h."""
     if wi[2] <= 0.0 or wo[2] <= 0.0:

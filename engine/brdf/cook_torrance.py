@@ -36,6 +36,7 @@ from engine.brdf.base import ROUGHNESS, Material, half, specular_colour
 from engine.brdf.coupled import base_share, coupled_base
 from engine.brdf.fresnel import fresnel
 from engine.numerics.description import Reflectance, Unit
+from engine.numerics.dispatch import formula
 from engine.numerics.sampling import cosine_hemisphere
 from engine.numerics.vec import add, reflect, scale
 
@@ -60,12 +61,12 @@ class CookTorrance(Material):
         return self._fill(self.diffuse, self.specular, self.roughness)
 
 
-@njit
+@formula
 def _slope(p):
     return max(MIN_SLOPE, float(p[ROUGHNESS]))
 
 
-@njit
+@formula
 def _beckmann(m, h):
     """D, with sin² written as x² + y² so that sharp lobes keep their digits."""
     m2, z2 = m * m, h[2] * h[2]
@@ -75,7 +76,7 @@ def _beckmann(m, h):
     return math.exp(-r2 / (m2 * z2)) / (math.pi * m2 * z2 * z2)
 
 
-@njit
+@formula
 def visible(h, cos_d, wi, wo):
     """G / (4 cos θ_i cos θ_o): of the two that block, the lower direction does, and cancels."""
     return min(
@@ -84,7 +85,7 @@ def visible(h, cos_d, wi, wo):
     )
 
 
-@njit
+@formula
 def evaluate(p, wi, wo):
     """f_d + f_s."""
     if wi[2] <= 0.0 or wo[2] <= 0.0:

@@ -16,10 +16,11 @@ from numba import njit
 
 from engine.brdf.base import diffuse_colour, share, specular_colour
 from engine.brdf.fresnel import f90, fresnel
+from engine.numerics.dispatch import formula
 from engine.numerics.vec import mul
 
 
-@njit
+@formula
 def coupled_base(p, wi, wo):
     """f_d of a row for directions above the surface: ρ is its diffuse colour, F0 its specular."""
     f0 = specular_colour(p)
@@ -40,14 +41,14 @@ def base_share(p, wo):
     return share(mul(diffuse_colour(p), _passed(f0, wo[2])), fresnel(f0, wo[2]))
 
 
-@njit
+@formula
 def _passed(f0, cosine):
     """1 - F, for a colour."""
     f = fresnel(f0, cosine)
     return (1.0 - f[0], 1.0 - f[1], 1.0 - f[2])
 
 
-@njit
+@formula
 def _mean_passed(f0, grazing):
     """Cosine-weighted mean of 1 - F over the hemisphere, for one channel."""
     return 1.0 - f0 - (grazing - f0) / 21.0

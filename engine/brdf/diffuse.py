@@ -15,6 +15,7 @@ from pydantic import Field
 
 from engine.brdf.base import Material, diffuse_colour
 from engine.numerics.description import Reflectance
+from engine.numerics.dispatch import formula
 from engine.numerics.sampling import cosine_hemisphere
 from engine.numerics.vec import scale
 
@@ -30,7 +31,7 @@ class Diffuse(Material):
         return self._fill(self.diffuse)
 
 
-@njit
+@formula
 def evaluate(p, wi, wo):
     """ρ / π above the surface."""
     if wi[2] <= 0.0 or wo[2] <= 0.0:

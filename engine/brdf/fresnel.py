@@ -7,22 +7,22 @@ nothing.
 
 from __future__ import annotations
 
-from numba import njit
+from engine.numerics.dispatch import formula
 
 
-@njit
+@formula
 def f90(f0):
     """Reflectance at grazing incidence of an interface with the colour f0 at normal incidence."""
     return min(1.0, 50.0 * max(f0[0], f0[1], f0[2]))
 
 
-@njit
+@formula
 def rise(cosine):
     """(1 - cos)⁵: how far F is on its way from F0 to F90."""
     return (1.0 - min(1.0, max(0.0, cosine))) ** 5
 
 
-@njit
+@formula
 def fresnel(f0, cosine):
     """F for a colour; cosine is that of the angle to the interface's normal."""
     w = rise(cosine)

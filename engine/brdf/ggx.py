@@ -29,6 +29,7 @@ from engine.brdf.base import ROUGHNESS, Material, specular_colour
 from engine.brdf.coupled import base_share, coupled_base
 from engine.brdf.fresnel import fresnel
 from engine.numerics.description import Reflectance, Unit
+from engine.numerics.dispatch import formula
 from engine.numerics.sampling import cosine_hemisphere
 from engine.numerics.vec import add, cross, dot, normalize, reflect, scale
 
@@ -52,13 +53,13 @@ class Ggx(Material):
         return self._fill(self.diffuse, self.specular, self.roughness)
 
 
-@njit
+@formula
 def _alpha(p):
     roughness = float(p[ROUGHNESS])
     return max(MIN_ALPHA, roughness * roughness)
 
 
-@njit
+@formula
 def _distribution(alpha, h):
     """D, with 1 - cos² written as x² + y² so that sharp lobes keep their digits."""
     a2 = alpha * alpha
@@ -66,21 +67,21 @@ def _distribution(alpha, h):
     return a2 / (math.pi * t * t)
 
 
-@njit
+@formula
 def _stretched(alpha, c):
     """cos θ √(1 + α² tan² θ)."""
     a2 = alpha * alpha
     return math.sqrt(a2 + (1.0 - a2) * c * c)
 
 
-@njit
+@formula
 def visible(p, wi, wo):
     """G / (4 cos θ_i cos θ_o), simplified so that nothing vanishes at grazing angles."""
     alpha = _alpha(p)
     return 0.5 / max(1e-30, wo[2] * _stretched(alpha, wi[2]) + wi[2] * _stretched(alpha, wo[2]))
 
 
-@njit
+@formula
 def evaluate(p, wi, wo):
     """f_d + f_s."""
     if wi[2] <= 0.0 or wo[2] <= 0.0:

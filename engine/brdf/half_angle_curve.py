@@ -38,6 +38,7 @@ from engine.brdf.coupled import base_share, coupled_base
 from engine.brdf.fresnel import fresnel
 from engine.brdf.half_angle import angle_of, place_of
 from engine.numerics.description import Reflectance
+from engine.numerics.dispatch import formula
 from engine.numerics.sampling import cosine_hemisphere
 from engine.numerics.vec import add, reflect, scale
 
@@ -48,14 +49,14 @@ ROUNDING = 1e-4  # of a cover that is meant to be 1, by nodes written with four 
 HALVINGS = 40  # of a band, until a sampled place is as good as exact
 
 
-@njit
+@formula
 def _even(u):
     """∫ cos θ_h / π dh up to a place u: the cover of the curve 1."""
     v = u**4
     return v * (2.0 - v)
 
 
-@njit
+@formula
 def _rising(u):
     """The cover of the curve u."""
     return u**5 * (8.0 / 5.0 - 8.0 / 9.0 * u**4)
@@ -143,7 +144,7 @@ class HalfAngleCurve(Material):
         return max(0.0, 2 * share.sum() / float(share @ _even.py_func(middle)) - 4)
 
 
-@njit
+@formula
 def _distribution(p, h):
     """D."""
     x = BANDS * place_of(h[2])
@@ -168,7 +169,7 @@ def _base_share(p, wo):
     return base / either if either > 0.0 else 1.0
 
 
-@njit
+@formula
 def evaluate(p, wi, wo):
     """f_d + f_s."""
     if wi[2] <= 0.0 or wo[2] <= 0.0:

@@ -24,6 +24,7 @@ from pydantic import Field, model_validator
 
 from engine.brdf.base import Material, diffuse_colour, luminance, specular_colour
 from engine.numerics.description import Description, Reflectance
+from engine.numerics.dispatch import formula
 from engine.numerics.frames import tangents, to_world
 from engine.numerics.sampling import cosine_hemisphere, cosine_power_hemisphere
 from engine.numerics.vec import add, dot, mul, scale
@@ -87,14 +88,14 @@ class Lafortune(Material):
         return row
 
 
-@njit
+@formula
 def _lobe(p, k):
     """(C_xy, C_z, n) of lobe k // 3, channel k % 3."""
     first = LOBES + 9 * (k // 3) + k % 3
     return float(p[first]), float(p[first + 3]), float(p[first + 6])
 
 
-@njit
+@formula
 def _gloss(p, channel, across, along):
     """Σ over the lobes of one channel."""
     total = 0.0
@@ -107,7 +108,7 @@ def _gloss(p, channel, across, along):
     return total
 
 
-@njit
+@formula
 def evaluate(p, wi, wo):
     """Eq. 6."""
     if wi[2] <= 0.0 or wo[2] <= 0.0:

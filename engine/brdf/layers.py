@@ -24,7 +24,6 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from engine.brdf import (
@@ -40,7 +39,7 @@ from engine.brdf.base import DIFFUSE, EXTRA, ROUGHNESS, SPECULAR, half, to_grain
 from engine.brdf.fresnel import f90, rise
 from engine.brdf.half_angle import place_of
 from engine.brdf.table import MODELS
-from engine.numerics.dispatch import by_index
+from engine.numerics.dispatch import along, by_index, formula
 from engine.numerics.frames import tangents, to_world
 from engine.numerics.vec import dot, reflect
 
@@ -89,7 +88,7 @@ class Layers:
         )
 
 
-@njit
+@formula
 def direction_at(cosine, azimuth, wo, mirrored):
     """(wi, dω / (sin γ dγ dφ)): the direction at an angle γ of which the cosine is given.
 
@@ -105,25 +104,25 @@ def direction_at(cosine, azimuth, wo, mirrored):
     return reflect(wo, d), max(0.0, jacobian)
 
 
-@njit
+@formula
 def _matt(p, wi, wo):
     return (0.0, 1.0 / math.pi, 0.0, 0.0, 0.0, 0.0)
 
 
-@njit
+@formula
 def _phong(p, wi, wo):
     cosine = min(1.0, dot((-wo[0], -wo[1], wo[2]), wi))
     lobe = 1.0 if cosine > 0.0 else 0.0
     return (place_of(max(0.0, cosine)), 1.0 / math.pi, 0.0, 0.0, lobe, 0.0)
 
 
-@njit
+@formula
 def _blinn_phong(p, wi, wo):
     h, _ = half(wi, wo)
     return (place_of(h[2]), 1.0 / math.pi, 0.0, 0.0, 1.0, 0.0)
 
 
-@njit
+@formula
 def _of_facets(visible, h, cos_d, wi, wo):
     """Facets under a base that is coupled to them; visible is G / (4 cos θ_i cos θ_o)."""
     i, o, r = rise(wi[2]), rise(wo[2]), rise(cos_d)
@@ -137,19 +136,19 @@ def _of_facets(visible, h, cos_d, wi, wo):
     )
 
 
-@njit
+@formula
 def _cook_torrance(p, wi, wo):
     h, cos_d = half(wi, wo)
     return _of_facets(cook_torrance.visible(h, cos_d, wi, wo), h, cos_d, wi, wo)
 
 
-@njit
+@formula
 def _ggx(p, wi, wo):
     h, cos_d = half(wi, wo)
     return _of_facets(ggx.visible(p, wi, wo), h, cos_d, wi, wo)
 
 
-@njit
+@formula
 def _ashikhmin_shirley(p, wi, wo):
     """γ is the half angle as it would be without a grain: cos γ = cos θ_h to the power e / n_u."""
     h, cos_d = half(wi, wo)
@@ -258,4 +257,6 @@ _LAYERS: dict[ModuleType, Layers] = {
 LAYERS: tuple[Layers | None, ...] = tuple(_LAYERS.get(module) for module in MODELS.values())
 """By the index of the model; None for models that are not cut."""
 
-factors = by_index([(layers or _LAYERS[diffuse]).factors for layers in LAYERS], 3)
+_FACTORS = [(layers or _LAYERS[diffuse]).factors for layers in LAYERS]
+factors = by_index(_FACTORS, 3)
+factors_along = by_index([along(f) for f in _FACTORS], 7)

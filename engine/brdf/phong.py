@@ -18,6 +18,7 @@ from pydantic import Field
 
 from engine.brdf.base import ROUGHNESS, Material, diffuse_colour, share, specular_colour
 from engine.numerics.description import Reflectance
+from engine.numerics.dispatch import formula
 from engine.numerics.frames import tangents, to_world
 from engine.numerics.sampling import cosine_hemisphere, cosine_power_hemisphere
 from engine.numerics.vec import add, dot, scale
@@ -45,12 +46,12 @@ class Phong(Material):
         return self._fill(self.diffuse, self.specular, self.exponent)
 
 
-@njit
+@formula
 def _mirror(wo):
     return (-wo[0], -wo[1], wo[2])
 
 
-@njit
+@formula
 def evaluate(p, wi, wo):
     """Eq. 3."""
     if wi[2] <= 0.0 or wo[2] <= 0.0:

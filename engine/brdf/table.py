@@ -26,7 +26,7 @@ from engine.brdf.ggx import Ggx
 from engine.brdf.half_angle_curve import HalfAngleCurve
 from engine.brdf.lafortune import Lafortune
 from engine.brdf.phong import Phong
-from engine.numerics.dispatch import by_index
+from engine.numerics.dispatch import along, by_index
 
 MODELS: dict[type[Material], ModuleType] = {
     Diffuse: diffuse,
@@ -54,5 +54,6 @@ AnyMaterial = Annotated[
 INDEX = {description: index for index, description in enumerate(MODELS)}
 
 evaluate = by_index([m.evaluate for m in MODELS.values()], 3)
+evaluate_along = by_index([along(m.evaluate) for m in MODELS.values()], 7)
 sample = by_index([m.sample for m in MODELS.values()], 3)
 pdf = by_index([m.pdf for m in MODELS.values()], 3)

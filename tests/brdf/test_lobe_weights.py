@@ -12,7 +12,7 @@ from engine.brdf.layers import LAYERS
 from engine.brdf.lobe_weights import GRID, lobe_weights, nearest_on_disk
 from engine.brdf.phong import Phong
 from engine.brdf.table import INDEX, evaluate
-from engine.methods.brdf_editing.second_tables import second_patterns
+from engine.methods.brdf_editing.second_tables import second_lattice
 
 VIEWS = np.array([[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.3, -0.8, np.sqrt(1 - 0.73)]])
 BLACK = (0.0, 0.0, 0.0)
@@ -29,7 +29,7 @@ def test_even_light_comes_back_as_the_albedo(material: BlinnPhong) -> None:
     model, row = INDEX[type(material)], material.row()
     layers = LAYERS[model]
     assert layers is not None
-    rays = second_patterns().local[0]
+    rays = second_lattice()
     weights = lobe_weights(model, row, 64, "tents", VIEWS, rays)
     _, lobes = coefficients(layers, row, 64, "tents")
     found = np.einsum("vljk,ljc->vc", weights, lobes)
@@ -54,7 +54,7 @@ def test_even_light_comes_back_as_the_albedo(material: BlinnPhong) -> None:
 def test_a_narrow_lobe_takes_the_ray_that_it_mirrors() -> None:
     material = MATERIALS[1]
     model = INDEX[type(material)]
-    rays = second_patterns().local[0]
+    rays = second_lattice()
     weights = lobe_weights(model, material.row(), 8, "tents", VIEWS[1:2], rays)
     narrow = weights[0, 0, 0]
     heaviest = rays[narrow.argmax()]
@@ -63,7 +63,7 @@ def test_a_narrow_lobe_takes_the_ray_that_it_mirrors() -> None:
 
 
 def test_nearest_direction() -> None:
-    rays = second_patterns().local[0]
+    rays = second_lattice()
     nearest = nearest_on_disk(rays)
     x, y = ((rays[:, :2] + 1) / 2 * GRID).astype(int).T
     # A ray's own place on the disk is its cell's, but where two share a square of the grid.

@@ -118,12 +118,12 @@ def fetch(rows, sample, part, parts, room):
 
     All at once, as they lie anywhere in memory: one waits for them together, and not for each.
     """
-    for k in range(part, sample.shape[0], parts):
+    for q, k in enumerate(range(part, sample.shape[0], parts)):
         y = sample[k]
         if y != BEYOND:
             for lane in range(0, rows.shape[1], LANES):
-                for q in range(lane, lane + LANES):
-                    room[k, q] = rows[y, q]
+                for column in range(lane, lane + LANES):
+                    room[q, column] = rows[y, column]
 
 
 @njit(inline="always")

@@ -19,7 +19,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.brdf.curve_basis import weights_at
-from engine.brdf.layers import CONSTANTS, factors
+from engine.brdf.layers import CONSTANTS, CURVES, factors_along
 from engine.methods.brdf_editing.arriving import (
     Arriving,
     Surface,
@@ -30,11 +30,11 @@ from engine.methods.brdf_editing.arriving import (
     is_matt_light,
     part_of,
 )
-from engine.methods.brdf_editing.light_seen import from_lamp
-from engine.methods.brdf_editing.patterns import pattern_of, ray_of, weight_of
+from engine.methods.brdf_editing.light_seen import MOST, lamp_rays
+from engine.methods.brdf_editing.patterns import pattern_of, rays_of, room_for
 from engine.methods.interrupt import pieces
 from engine.numerics.borrow import borrow
-from engine.numerics.frames import tangents, to_local
+from engine.numerics.frames import tangents, to_local, to_world
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import vec
 
@@ -88,8 +88,13 @@ def _fold(begin, end, surface, arriving, pixels, hand, slots, steps, unit):
     surface, arriving = borrow(surface), borrow(arriving)
     degrees, lanes = steps.shape[1], arriving.rows.shape[1]
     total = np.zeros((steps.shape[3], lanes), np.float32)
-    room = np.zeros((arriving.sample.shape[1], lanes), np.float32)
-    one, part_of_it = np.zeros((degrees, 3), np.float32), np.zeros_like(total)
+    part_of_it, most = np.zeros_like(total), max(MOST, arriving.sample.shape[1])
+    work = (
+        room_for(most),
+        np.zeros((most, lanes), np.float32),
+        np.zeros((1 + CONSTANTS + CURVES, most)),
+        np.zeros((degrees, 3), np.float32),
+    )
     is_even = arriving.matt[hand, 0] >= 0.0
     for q in range(begin, end):
         total[:] = 0.0
@@ -105,11 +110,7 @@ def _fold(begin, end, surface, arriving, pixels, hand, slots, steps, unit):
             if slots.curves > 0 or not is_even:
                 first = 1 if is_even else 0
                 part_of_it[:] = 0.0
-                fetch(arriving.rows, arriving.sample[link], part, parts, room)
-                _fold_rays(
-                    surface, arriving, at, link, part, parts, slots, first, one, room, part_of_it
-                )
-                _fold_lights(surface, arriving, at, parts, slots, room[0], part_of_it)
+                _fold_rays(surface, arriving, at, link, part, parts, slots, first, work, part_of_it)
                 _add_textured(surface, at, slots, degrees, part_of_it, total)
             else:
                 for c in range(3):
@@ -119,61 +120,52 @@ def _fold(begin, end, surface, arriving, pixels, hand, slots, steps, unit):
 
 
 @njit(fastmath={"contract", "reassoc"})
-def _fold_rays(surface, arriving, at, link, part, parts, slots, first, one, room, total):
+def _fold_rays(surface, arriving, at, link, part, parts, slots, first, work, total):
+    """Add what rays bring, and lamps: of a pixel's own rays to the quotients from `first` on."""
+    rays, room, quotients, one = work
     p, model = surface.row[at], surface.model[at]
-    z, g = vec(surface.normal, at), vec(surface.geometric, at)
+    z = vec(surface.normal, at)
     s, t = tangents(z)
     wo = to_local(vec(surface.eye, at), s, t, z)
-    pattern, patterns = pattern_of(link, arriving.width), arriving.patterns
+    g = to_local(vec(surface.geometric, at), s, t, z)
+    pattern = pattern_of(link, arriving.width)
     sample, kind = arriving.sample[link], arriving.second.kind
-    for k in range(part, sample.shape[0], parts):
-        wi, d = ray_of(patterns, pattern, k, wo, (s, t, z), g)
-        if wi[2] <= 0.0:
-            continue
-        came = room[k]
-        if not is_matt_light(kind, sample[k]):
+    count = rays_of(arriving.patterns, pattern, part, parts, wo, g, rays)
+    fetch(arriving.rows, sample, part, parts, room)
+    for q in range(count):
+        k = part + q * parts
+        if rays.weight[q] > 0.0 and not is_matt_light(kind, sample[k]):
+            d = to_world((rays.x[q], rays.y[q], rays.z[q]), s, t, z)
             rest = came_along(arriving, sample[k], d, k, one)
             for n in range(one.shape[0]):
                 for c in range(3):
-                    came[3 * n + c] = rest[n, c]
-        f, weight = factors(model, p, wi, wo), weight_of(patterns, wi, wo)
-        _add(total, f, weight, came, slots, first)
+                    room[q, 3 * n + c] = rest[n, c]
+    _add(model, p, rays, count, wo, room, slots, first, quotients, total)
+    for lamp in range(arriving.lights.kind.shape[0]):
+        count = lamp_rays(
+            surface, arriving.lights, arriving.seen, at, lamp, parts, (s, t, z), rays, room
+        )
+        _add(model, p, rays, count, wo, room, slots, 0, quotients, total)
 
 
 @njit(fastmath={"contract", "reassoc"})
-def _fold_lights(surface, arriving, at, parts, slots, came, total):
-    """Add what the lights send, which is light of degree 0 in a row `came` (lanes,)."""
-    p, model, z = surface.row[at], surface.model[at], vec(surface.normal, at)
-    lights = arriving.lights
-    s, t = tangents(z)
-    wo = to_local(vec(surface.eye, at), s, t, z)
-    came[:] = 0.0
-    for lamp in range(lights.kind.shape[0]):
-        bits, count = arriving.seen[at, lamp], lights.points[lamp]
-        for k in range(count):
-            if (bits >> np.uint64(k)) & np.uint64(1) == 0:
-                continue
-            w, light = from_lamp(surface, lights, at, lamp, k)
-            wi = to_local(w, s, t, z)
-            if wi[2] <= 0.0:
-                continue
-            for c in range(3):
-                came[c] = light[c]
-            _add(total, factors(model, p, wi, wo), wi[2] / (count * parts), came, slots, 0)
-
-
-@njit(inline="always")
-def _add(total, f, weight, came, slots, first):
-    """Add light times a weight to what the quotients f take from the first on, (slots, lanes)."""
-    for c in range(first, slots.constants):
-        add_lanes(total[c], weight * f[1 + c], came)
-    if slots.curves > 0:
-        j, here, there = weights_at(f[0], slots.bands, slots.tents)
-        for c in range(slots.curves):
-            slot, value = slots.constants + c * slots.bands + j, weight * f[1 + CONSTANTS + c]
-            add_lanes(total[slot], value * here, came)
-            if there > 0.0:
-                add_lanes(total[slot + 1], value * there, came)
+def _add(model, p, rays, count, wo, room, slots, first, f, total):
+    """Add what the quotients from `first` on make of rays with light `room`: (slots, lanes)."""
+    factors_along(model, p, rays.x, rays.y, rays.z, count, wo, f)
+    for q in range(count):
+        weight, came = rays.weight[q], room[q]
+        if weight <= 0.0:
+            continue
+        for c in range(first, slots.constants):
+            add_lanes(total[c], weight * f[1 + c, q], came)
+        if slots.curves > 0:
+            j, here, there = weights_at(f[0, q], slots.bands, slots.tents)
+            for c in range(slots.curves):
+                slot = slots.constants + c * slots.bands + j
+                value = weight * f[1 + CONSTANTS + c, q]
+                add_lanes(total[slot], value * here, came)
+                if there > 0.0:
+                    add_lanes(total[slot + 1], value * there, came)
 
 
 @njit

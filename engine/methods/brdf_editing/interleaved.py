@@ -80,7 +80,8 @@ def _gather(begin, end, surface, arriving, hand, some, step, even, behind):
         i = some[q]
         z, g = vec(surface.normal, i), vec(surface.geometric, i)
         s, t = tangents(z)
-        pattern, sample = pattern_of(i, arriving.width), arriving.sample[i]
+        sample = arriving.sample[i]
+        local = arriving.patterns.local[pattern_of(i, arriving.width)]
         total[:] = 0.0
         for k in range(0, cosines, step):
             y = sample[k]
@@ -91,7 +92,8 @@ def _gather(begin, end, surface, arriving, hand, some, step, even, behind):
                 continue
             if y == BEYOND and arriving.beyond.shape[0] == 0:
                 continue
-            d = to_world(vec(arriving.patterns.local[pattern], k), s, t, z)
+            w = local[0, k], local[1, k], local[2, k]
+            d = to_world(w, s, t, z)
             if dot(d, g) <= 0.0:
                 continue
             if surface.material[i] == hand:

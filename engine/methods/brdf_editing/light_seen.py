@@ -19,6 +19,7 @@ from engine.light.table import LightTable, light_table
 from engine.methods.fixed_view.direct import light_samples
 from engine.methods.fixed_view.frame_buffer import Points
 from engine.numerics.borrow import borrow
+from engine.numerics.frames import to_local
 from engine.numerics.vec import dot, vec
 from engine.scene.rays import RayTracer
 
@@ -62,6 +63,29 @@ def from_lamp(surface, light, at, lamp, k):
         np.float64(surface.size[at]), light.place[lamp, k, 0], light.place[lamp, k, 1],
     )  # fmt: skip
     return (wx, wy, wz), (red, green, blue)
+
+
+@njit
+def lamp_rays(surface, lights, seen, at, lamp, parts, frame, rays, came):
+    """Fill `rays` with those to the points of a lamp that are seen, came (N, lanes) with light.
+
+    Weights are the cosine over the number of points, and of parts of the pixel. Returns how many.
+    """
+    bits, points, count = seen[at, lamp], lights.points[lamp], 0
+    for k in range(points):
+        if (bits >> np.uint64(k)) & np.uint64(1) == 0:
+            continue
+        w, light = from_lamp(surface, lights, at, lamp, k)
+        wi = to_local(w, frame[0], frame[1], frame[2])
+        if wi[2] <= 0.0:
+            continue
+        rays.x[count], rays.y[count], rays.z[count] = wi
+        rays.weight[count] = wi[2] / (points * parts)
+        came[count] = 0.0
+        for c in range(3):
+            came[count, c] = light[c]
+        count += 1
+    return count
 
 
 def seen_of(rays: RayTracer, points: Points, light: Shining, start: int, stop: int) -> Any:

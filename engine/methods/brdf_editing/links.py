@@ -15,13 +15,13 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.methods.brdf_editing.patterns import Patterns, pattern_of, ray_of
+from engine.methods.brdf_editing.patterns import Patterns, pattern_of, rays_of, room_for
 from engine.methods.fixed_view.frame_buffer import Points
 from engine.methods.fixed_view.gather_rays import find_samples, land
 from engine.methods.fixed_view.hierarchy import level_start
 from engine.methods.fixed_view.nearest import Grid
 from engine.numerics.borrow import borrow
-from engine.numerics.frames import tangents, to_local
+from engine.numerics.frames import tangents, to_local, to_world
 from engine.numerics.vec import add, scale, vec
 from engine.scene.rays import RayTracer
 
@@ -60,7 +60,7 @@ def link_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
     """`sample` (pixels, N) uint16 of one chunk."""
     first = chunk * CHUNK
     count = min(CHUNK, len(job.points) - first)
-    n = job.patterns.local.shape[1]
+    n = job.patterns.local.shape[2]
     sample = np.full((count, n), BEYOND, np.uint16)
     for start in range(0, count, BATCH):
         stop = min(start + BATCH, count)
@@ -69,7 +69,7 @@ def link_chunk(job: Job, chunk: int) -> dict[str, NDArray[Any]]:
 
 
 def _met(job: Job, start: int, stop: int) -> NDArray[np.uint16]:
-    p, n = job.points, job.patterns.local.shape[1]
+    p, n = job.points, job.patterns.local.shape[2]
     room = (stop - start) * n
     origin, direction = np.zeros((2, room, 3), np.float32)
     ray = np.zeros(room, np.int32)
@@ -98,7 +98,8 @@ def _aim(
 ):  # fmt: skip
     """Fill in the rays that leave their surface, and which they are of all; returns how many."""
     patterns = borrow(patterns)
-    count, n = 0, patterns.local.shape[1]
+    count, n = 0, patterns.local.shape[2]
+    rays = room_for(n)
     for i in range(start, stop):
         if model[i] < 0:
             continue
@@ -106,10 +107,11 @@ def _aim(
         s, t = tangents(z)
         wo = to_local(vec(view, i), s, t, z)
         x, pattern = add(vec(position, i), scale(g, epsilon)), pattern_of(i, width)
+        rays_of(patterns, pattern, 0, 1, wo, to_local(g, s, t, z), rays)
         for k in range(n):
-            wi, d = ray_of(patterns, pattern, k, wo, (s, t, z), g)
-            if wi[2] <= 0.0:
+            if rays.z[k] <= 0.0:
                 continue
+            d = to_world((rays.x[k], rays.y[k], rays.z[k]), s, t, z)
             for c in range(3):
                 origin[count, c], direction[count, c] = x[c], d[c]
             ray[count] = (i - start) * n + k

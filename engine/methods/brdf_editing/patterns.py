@@ -18,12 +18,11 @@ from numpy.typing import NDArray
 
 from engine.brdf.base import half
 from engine.methods.brdf_editing.settings import Settings
-from engine.numerics.frames import to_world
 from engine.numerics.sampling import cosine_hemisphere, cosine_power_hemisphere
-from engine.numerics.vec import dot, reflect, vec
+from engine.numerics.vec import dot, reflect
 
 SIDE = 8
-FAR = 25.0  # cosines from where on a lobe is e⁻²⁵ of its peak, or less
+FAR = 25.0  # a lobe's density is e⁻²⁵ of its peak at least
 GOLDEN = 0.6180339887498949
 PLASTIC = 0.7548776662466927, 0.5698402909980532  # powers of the inverse of the plastic number
 
@@ -31,32 +30,55 @@ PLASTIC = 0.7548776662466927, 0.5698402909980532  # powers of the inverse of the
 class Patterns(NamedTuple):
     """The lattices.
 
-    local     (64, N, 3) float64   the first `cosines` are incident directions, others half vectors
+    local     (64, 3, N) float64   the first `cosines` are incident directions, others half vectors
     cosines   int
-    exponent  float                of the lobe
+    exponent  int                  of the lobe
     """
 
     local: NDArray[np.float64]
     cosines: int
-    exponent: float
+    exponent: int
+
+
+class Rays(NamedTuple):
+    """Rays of a pixel or of a part of one, (N,) float64 each.
+
+    x, y, z      local incident directions; z is negative where a ray does not leave the surface
+    weight       cos θ_i over the density of all rays together, sr; 0 for those
+    lobe, power  room for what that is made of
+    """
+
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    z: NDArray[np.float64]
+    weight: NDArray[np.float64]
+    lobe: NDArray[np.float64]
+    power: NDArray[np.float64]
 
 
 def patterns(settings: Settings) -> Patterns:
     """Those of the settings."""
     count, cosines = settings.view_rays, settings.cosine_count
-    local = np.zeros((SIDE * SIDE, count, 3))
+    local, exponent = np.zeros((SIDE * SIDE, 3, count)), round(settings.lobe_exponent)
     for number in range(SIDE * SIDE):
         shift1, shift2 = ((0.5 + (number + 1) * p) % 1.0 for p in PLASTIC)
         for k in range(count):
             lobe = k >= cosines
             n, i = (count - cosines, k - cosines) if lobe else (cosines, k)
             u1, u2 = (i + shift1) / n, (i * GOLDEN + shift2) % 1.0
-            local[number, k] = (
-                cosine_power_hemisphere.py_func(1 - u1, u2, settings.lobe_exponent)
+            local[number, :, k] = (
+                cosine_power_hemisphere.py_func(1 - u1, u2, exponent)
                 if lobe
                 else cosine_hemisphere.py_func(u1, u2)
             )
-    return Patterns(local, cosines, settings.lobe_exponent)
+    return Patterns(local, cosines, exponent)
+
+
+@njit
+def room_for(count):
+    """`Rays` that hold so many."""
+    room = np.zeros((6, count))
+    return Rays(room[0], room[1], room[2], room[3], room[4], room[5])
 
 
 @njit
@@ -67,29 +89,49 @@ def pattern_of(pixel, width):
     return (x * 37 + y * 23) % (SIDE * SIDE)
 
 
-@njit
-def ray_of(patterns, pattern, k, wo, frame, geometric):
-    """(local, world) incident direction of ray k; local z ≤ 0 where it does not leave the surface.
+@njit(fastmath={"contract", "reassoc"}, error_model="numpy")
+def rays_of(patterns, pattern, part, parts, wo, g, rays):
+    """Fill `rays` with every parts-th one of a lattice, and return how many there are.
 
-    frame is the tangent, bitangent and shading normal.
+    wo and the geometric normal g are local.
     """
-    w = vec(patterns.local[pattern], k)
-    if k >= patterns.cosines:
-        w = reflect(wo, w) if dot(w, wo) > 0.0 else (0.0, 0.0, -1.0)
-    d = to_world(w, frame[0], frame[1], frame[2])
-    return w if dot(d, geometric) > 0.0 else (0.0, 0.0, -1.0), d
+    local = patterns.local[pattern]
+    x, y, z, weight, lobe, power = rays
+    count = (local.shape[1] - part + parts - 1) // parts
+    first = max(0, patterns.cosines - part + parts - 1) // parts
+    for q in range(first):
+        k = part + q * parts
+        x[q], y[q], z[q] = local[0, k], local[1, k], local[2, k]
+    for q in range(first, count):
+        k = part + q * parts
+        h = (local[0, k], local[1, k], local[2, k])
+        w = reflect(wo, h)
+        x[q], y[q] = w[0], w[1]
+        z[q] = w[2] if dot(wo, h) > 0.0 else -1.0
+    for q in range(count):
+        z[q] = z[q] if dot((x[q], y[q], z[q]), g) > 0.0 else -1.0
+    _lobe_density(patterns, wo, count, x, y, z, lobe, power)
+    for q in range(count):
+        cosine = max(0.0, z[q])
+        density = patterns.cosines * cosine / math.pi + lobe[q]
+        weight[q] = cosine / max(1e-30, density)
+    return count
 
 
-@njit
-def weight_of(patterns, wi, wo):
-    """cos θ_i over the density of all rays together, sr."""
-    density = patterns.cosines * wi[2] / math.pi
-    lobes = patterns.local.shape[1] - patterns.cosines
-    if lobes > 0:
-        h, cos_d = half(wi, wo)
-        n = patterns.exponent
-        # Powers take long; most directions are far from the lobe.
-        if patterns.cosines == 0 or n * (1.0 - h[2]) < FAR:
-            lobe = (n + 1.0) / (2.0 * math.pi) * min(1.0, h[2]) ** n
-            density += lobes * lobe / max(1e-30, 4.0 * cos_d)
-    return wi[2] / density
+@njit(fastmath={"contract", "reassoc"}, error_model="numpy")
+def _lobe_density(patterns, wo, count, x, y, z, lobe, power):
+    """Fill `lobe` with the density of the rays that follow one."""
+    lobes, n = patterns.local.shape[2] - patterns.cosines, patterns.exponent
+    least, unit = math.exp(-FAR / n), lobes * (n + 1) / (8.0 * math.pi)
+    for q in range(count):
+        h, cos_d = half((x[q], y[q], z[q]), wo)
+        power[q] = min(1.0, max(least, h[2]))
+        lobe[q] = unit / max(1e-30, cos_d)
+    # Powers by squares, for all rays at once.
+    while n > 0:
+        if n % 2 == 1:
+            for q in range(count):
+                lobe[q] *= power[q]
+        n //= 2
+        for q in range(count):
+            power[q] *= power[q]

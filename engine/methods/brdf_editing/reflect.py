@@ -20,15 +20,15 @@ from engine.methods.brdf_editing.arriving import (
     part_of,
 )
 from engine.methods.brdf_editing.fold import PIECE, Folded, to_steps
-from engine.methods.brdf_editing.light_seen import from_lamp
-from engine.methods.brdf_editing.patterns import pattern_of, ray_of, weight_of
+from engine.methods.brdf_editing.light_seen import MOST, lamp_rays
+from engine.methods.brdf_editing.patterns import pattern_of, rays_of, room_for
 from engine.methods.interrupt import pieces
 from engine.numerics.borrow import borrow
-from engine.numerics.frames import tangents, to_local
+from engine.numerics.frames import tangents, to_local, to_world
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import vec
 
-evaluate = brdfs.evaluate
+evaluate_along = brdfs.evaluate_along
 
 
 def reflect(
@@ -55,8 +55,13 @@ def reflect(
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
 def _reflect(begin, end, surface, arriving, hand, pixels, slots, out, steps, unit):
     surface, arriving = borrow(surface), borrow(arriving)
-    one = np.zeros((out.shape[1], 3), np.float32)
-    room = np.zeros((arriving.sample.shape[1], arriving.rows.shape[1]), np.float32)
+    most = max(MOST, arriving.sample.shape[1])
+    work = (
+        room_for(most),
+        np.zeros((most, arriving.rows.shape[1]), np.float32),
+        np.zeros((3, most)),
+        np.zeros((out.shape[1], 3), np.float32),
+    )
     behind = np.zeros((slots, out.shape[1], 3), np.float32)
     for q in range(begin, end):
         i = pixels[q]
@@ -76,11 +81,9 @@ def _reflect(begin, end, surface, arriving, hand, pixels, slots, out, steps, uni
                 for c in range(3):
                     out[i, 0, c] += colour[c] * arriving.direct[at, c] / np.float32(parts)
             else:
-                fetch(arriving.rows, arriving.sample[link], part, parts, room)
                 _reflect_rays(
-                    surface, arriving, at, link, part, parts, colour, one, room, behind, out[i]
+                    surface, arriving, at, link, part, parts, colour, work, behind, out[i]
                 )
-                _reflect_lights(surface, arriving, at, parts, out[i, 0])
         if slots > 0:
             to_steps(behind.reshape(slots, -1), steps[i], unit[i])
 
@@ -95,51 +98,43 @@ def _add_behind(arriving, link, parts, colour, behind):
 
 
 @njit(fastmath={"contract", "reassoc"})
-def _reflect_rays(surface, arriving, at, link, part, parts, colour, one, room, behind, out):
-    """Add what the rays bring, but for what a matt surface of the colour reflects."""
+def _reflect_rays(surface, arriving, at, link, part, parts, colour, work, behind, out):
+    """Add what rays bring, but for what a matt surface of the colour reflects, and lamps."""
+    rays, room, f, one = work
     p, model = surface.row[at], surface.model[at]
-    z, g = vec(surface.normal, at), vec(surface.geometric, at)
+    z = vec(surface.normal, at)
     s, t = tangents(z)
     wo = to_local(vec(surface.eye, at), s, t, z)
-    pattern, patterns = pattern_of(link, arriving.width), arriving.patterns
+    g = to_local(vec(surface.geometric, at), s, t, z)
+    pattern = pattern_of(link, arriving.width)
     sample, kind = arriving.sample[link], arriving.second.kind
-    for k in range(part, sample.shape[0], parts):
-        wi, d = ray_of(patterns, pattern, k, wo, (s, t, z), g)
-        if wi[2] <= 0.0:
+    count = rays_of(arriving.patterns, pattern, part, parts, wo, g, rays)
+    fetch(arriving.rows, sample, part, parts, room)
+    evaluate_along(model, p, rays.x, rays.y, rays.z, count, wo, f)
+    for q in range(count):
+        weight, k = rays.weight[q], part + q * parts
+        if weight <= 0.0:
             continue
-        weight = weight_of(patterns, wi, wo)
-        f = evaluate(model, p, wi, wo)
         own = (
-            weight * (f[0] - colour[0] / math.pi),
-            weight * (f[1] - colour[1] / math.pi),
-            weight * (f[2] - colour[2] / math.pi),
+            weight * (f[0, q] - colour[0] / math.pi),
+            weight * (f[1, q] - colour[1] / math.pi),
+            weight * (f[2, q] - colour[2] / math.pi),
         )
         if is_matt_light(kind, sample[k]):
             for n in range(out.shape[0]):
                 for c in range(3):
-                    out[n, c] += own[c] * room[k, 3 * n + c]
+                    out[n, c] += own[c] * room[q, 3 * n + c]
             continue
+        d = to_world((rays.x[q], rays.y[q], rays.z[q]), s, t, z)
         came = came_apart(arriving, sample[k], d, k, own, one, behind)
         for n in range(out.shape[0]):
             for c in range(3):
                 out[n, c] += own[c] * came[n, c]
-
-
-@njit(fastmath={"contract", "reassoc"})
-def _reflect_lights(surface, arriving, at, parts, out):
-    p, model, z = surface.row[at], surface.model[at], vec(surface.normal, at)
-    lights = arriving.lights
-    s, t = tangents(z)
-    wo = to_local(vec(surface.eye, at), s, t, z)
-    for lamp in range(lights.kind.shape[0]):
-        bits, count = arriving.seen[at, lamp], lights.points[lamp]
-        for k in range(count):
-            if (bits >> np.uint64(k)) & np.uint64(1) == 0:
-                continue
-            w, light = from_lamp(surface, lights, at, lamp, k)
-            wi = to_local(w, s, t, z)
-            if wi[2] <= 0.0:
-                continue
-            f = evaluate(model, p, wi, wo)
+    for lamp in range(arriving.lights.kind.shape[0]):
+        count = lamp_rays(
+            surface, arriving.lights, arriving.seen, at, lamp, parts, (s, t, z), rays, room
+        )
+        evaluate_along(model, p, rays.x, rays.y, rays.z, count, wo, f)
+        for q in range(count):
             for c in range(3):
-                out[c] += wi[2] / (count * parts) * f[c] * light[c]
+                out[0, c] += rays.weight[q] * f[c, q] * room[q, c]

@@ -72,6 +72,11 @@ def second_patterns() -> Patterns:
     return found._replace(local=np.repeat(found.local[:1], SIDE * SIDE, axis=0))
 
 
+def second_lattice() -> NDArray[np.float64]:
+    """(RAYS, 3): their directions."""
+    return np.ascontiguousarray(second_patterns().local[0].T)
+
+
 def no_second(cloud: GatherCloud, light: Shining) -> Second:
     """All samples are matt."""
     points, n = cloud.points, len(cloud)
@@ -102,7 +107,7 @@ def second_bounce(
 ) -> Second:
     """The tables while the material `hand` is edited; -1 for none."""
     second = no_second(cloud, light)
-    grid, lattice = texels(VIEWS), second_patterns().local[0]
+    grid, lattice = texels(VIEWS), second_lattice()
     of, irradiance = cloud.points.material, came.later.irradiance
     base = [second.base.reshape(0, *irradiance.shape[1:])]
     frozen = [np.zeros((0, len(grid.number), *irradiance.shape[1:]), np.float32)]
@@ -172,7 +177,7 @@ def _sent(
         light = np.zeros((len(part), RAYS, degrees, 3), np.float32)
         for_ranges(
             _arriving, len(part), part, rays.sample, incoming, beyond, cloud.points.normal,
-            second_patterns().local[0], light, grain=16,
+            second_lattice(), light, grain=16,
         )  # fmt: skip
         if len(weights) == 1:
             sent[:] = (weights[0] @ light.reshape(len(part), RAYS, -1)).reshape(sent.shape)

@@ -35,7 +35,7 @@ class Settings:
     lobe_rays: float = 0.3
     """Part of them that follow a Blinn-Phong lobe, the others the cosine: 0 to 0.9 (§5.1)."""
 
-    lobe_exponent: float = 200.0
+    lobe_exponent: int = 200
     """Of that lobe: 1 to 100,000 (§5.1)."""
 
     gather_samples: int = 65536
