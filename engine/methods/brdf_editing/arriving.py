@@ -12,15 +12,8 @@ from engine.light.environment_samples import DEPTH
 from engine.methods.brdf_editing.light_seen import Shining
 from engine.methods.brdf_editing.links import BEYOND
 from engine.methods.brdf_editing.patterns import Patterns
-from engine.methods.brdf_editing.second import (
-    FROZEN,
-    HAND,
-    MATT,
-    Second,
-    add_sent_in_hand,
-    sent,
-    sent_to_itself,
-)
+from engine.methods.brdf_editing.second import MATT, Second, bring_gloss
+from engine.numerics.frames import to_world
 from engine.numerics.octahedron import cell as cell_of
 
 LANES = 4  # numbers that a processor adds at once, at least
@@ -30,7 +23,7 @@ class Even(NamedTuple):
     """What the rays of n pixels that follow the cosine bring, over π the irradiance.
 
     light   (n, deg + 1, 3) float32
-    behind  (n, slots, deg + 1, 3) float32   of coefficients that the second bounce has in hand
+    behind  (n, deg + 1, 3, slots) float32   of coefficients that the second bounce has in hand
     """
 
     light: NDArray[np.float32]
@@ -135,37 +128,20 @@ def add_lanes(out, factor, came):
             out[q] += times * came[q]
 
 
-@njit(inline="always")
-def came_along(arriving, sample, d, k, room):
-    """Radiance along ray k of direction d, (deg + 1, 3), written into `room`.
-
-    Of gloss of the cloud, or of the environment; what the cloud sends all round is a row.
-    """
-    if sample == BEYOND:
-        room[:] = 0.0
-        if arriving.beyond.shape[0] > 0:
-            room[0] = arriving.beyond[cell_of(d, DEPTH)]
-        return room
-    if arriving.second.kind[sample] == FROZEN:
-        sent(arriving.second, sample, d, k, room)
-    else:
-        sent_to_itself(arriving.second, sample, d, k, arriving.powers[sample], room)
-    return room
-
-
-@njit(inline="always")
-def came_apart(arriving, sample, d, k, weight, room, behind):
-    """The same for a pixel of a material that is not in hand.
-
-    What coefficients in hand send goes to behind (slots, deg + 1, 3), times three weights, and only
-    the rest is returned.
-    """
-    if behind.shape[0] == 0 or sample == BEYOND or arriving.second.kind[sample] != HAND:
-        return came_along(arriving, sample, d, k, room)
-    add_sent_in_hand(arriving.second, sample, d, k, weight, behind)
-    room[:] = 0.0
-    room[0] = arriving.second.glow[arriving.second.own[sample]]
-    return room
+@njit
+def bring_rest(arriving, sample, rays, count, part, parts, frame, apart, room):
+    """Fill rows (N, lanes) of rays that meet gloss, see `bring_gloss`, or leave the scene."""
+    if arriving.second.base.shape[0] > 0:
+        bring_gloss(
+            arriving.second, arriving.powers, sample, rays, count, part, parts, frame, apart, room
+        )
+    lit = arriving.beyond.shape[0] > 0
+    for q in range(count):
+        if sample[part + q * parts] == BEYOND:
+            room[q] = 0.0
+            if lit and rays.z[q] > 0.0:
+                d = to_world((rays.x[q], rays.y[q], rays.z[q]), frame[0], frame[1], frame[2])
+                room[q, :3] = arriving.beyond[cell_of(d, DEPTH)]
 
 
 @njit

@@ -25,16 +25,15 @@ from engine.methods.brdf_editing.arriving import (
     Surface,
     add_even,
     add_lanes,
-    came_along,
+    bring_rest,
     fetch,
-    is_matt_light,
     part_of,
 )
 from engine.methods.brdf_editing.light_seen import MOST, lamp_rays
 from engine.methods.brdf_editing.patterns import pattern_of, rays_of, room_for
 from engine.methods.interrupt import pieces
 from engine.numerics.borrow import borrow
-from engine.numerics.frames import tangents, to_local, to_world
+from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import vec
 
@@ -93,7 +92,6 @@ def _fold(begin, end, surface, arriving, pixels, hand, slots, steps, unit):
         room_for(most),
         np.zeros((most, lanes), np.float32),
         np.zeros((1 + CONSTANTS + CURVES, most)),
-        np.zeros((degrees, 3), np.float32),
     )
     is_even = arriving.matt[hand, 0] >= 0.0
     for q in range(begin, end):
@@ -122,24 +120,17 @@ def _fold(begin, end, surface, arriving, pixels, hand, slots, steps, unit):
 @njit(fastmath={"contract", "reassoc"})
 def _fold_rays(surface, arriving, at, link, part, parts, slots, first, work, total):
     """Add what rays bring, and lamps: of a pixel's own rays to the quotients from `first` on."""
-    rays, room, quotients, one = work
+    rays, room, quotients = work
     p, model = surface.row[at], surface.model[at]
     z = vec(surface.normal, at)
     s, t = tangents(z)
     wo = to_local(vec(surface.eye, at), s, t, z)
     g = to_local(vec(surface.geometric, at), s, t, z)
     pattern = pattern_of(link, arriving.width)
-    sample, kind = arriving.sample[link], arriving.second.kind
+    sample = arriving.sample[link]
     count = rays_of(arriving.patterns, pattern, part, parts, wo, g, rays)
     fetch(arriving.rows, sample, part, parts, room)
-    for q in range(count):
-        k = part + q * parts
-        if rays.weight[q] > 0.0 and not is_matt_light(kind, sample[k]):
-            d = to_world((rays.x[q], rays.y[q], rays.z[q]), s, t, z)
-            rest = came_along(arriving, sample[k], d, k, one)
-            for n in range(one.shape[0]):
-                for c in range(3):
-                    room[q, 3 * n + c] = rest[n, c]
+    bring_rest(arriving, sample, rays, count, part, parts, (s, t, z), False, room)
     _add(model, p, rays, count, wo, room, slots, first, quotients, total)
     for lamp in range(arriving.lights.kind.shape[0]):
         count = lamp_rays(

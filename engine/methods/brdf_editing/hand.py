@@ -28,6 +28,7 @@ from engine.methods.brdf_editing.second_tables import (
     no_second,
     second_bounce,
 )
+from engine.methods.brdf_editing.second_views import views_asked
 from engine.methods.brdf_editing.settings import Settings
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.environment_light import EnvironmentLight
@@ -125,10 +126,11 @@ class Freezer:
         no_light = np.zeros((0, 1, 3), np.float32)
         self._arriving = Arriving(
             patterns(settings), scene.camera.width, transport.sample, no_light, no_light[:, 0],
-            no_second(cloud, lights), Even(no_light, no_light[None]), no_light[:, 0], beyond,
+            no_second(cloud, lights), Even(no_light, no_light[..., None]), no_light[:, 0], beyond,
             lights, np.zeros((0, 0), np.uint64), no_light[:, 0],
         )  # fmt: skip
         self._texture = self._cloud_texture()
+        self._asked: dict[int, NDArray[np.bool_]] = {}
 
     def __call__(
         self, material: int, table: MaterialTable, lights: tuple[Light, ...], scale: int
@@ -158,15 +160,18 @@ class Freezer:
             seen=lit.seen,
             direct=lit.direct,
         )
+        every = self._points.pixels(scale)
         if self._second is not None and s.bounces:
             came = Incoming(
                 later, base.astype(np.float32), self._texture,
                 (matt + gloss)[material], arriving.beyond,
             )  # fmt: skip
             rays = SecondRays(self._second, lit.second)
-            second = second_bounce(self._cloud, rays, table, material, came, lit.lights, s)
+            if scale not in self._asked:
+                self._asked[scale] = views_asked(surface, arriving, every)
+            asked = self._asked[scale]
+            second = second_bounce(self._cloud, rays, asked, table, material, came, lit.lights, s)
             arriving = arriving._replace(second=second)
-        every = self._points.pixels(scale)
         arriving = arriving._replace(even=shared(surface, arriving, material, every, scale))
         slots, pixels = Slots(0, 0, s.bands, s.basis == "tents"), np.zeros(0, np.int32)
         if material >= 0:

@@ -17,15 +17,14 @@ from engine.methods.brdf_editing.arriving import (
     Even,
     Surface,
     add_lanes,
-    came_along,
-    came_apart,
+    bring_rest,
     is_matt_light,
 )
-from engine.methods.brdf_editing.links import BEYOND
-from engine.methods.brdf_editing.patterns import SIDE, pattern_of
+from engine.methods.brdf_editing.patterns import SIDE, pattern_of, room_for
+from engine.methods.brdf_editing.second import add_behind
 from engine.methods.interrupt import pieces
 from engine.numerics.borrow import borrow
-from engine.numerics.frames import tangents, to_world
+from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, sub, vec
 
@@ -49,11 +48,11 @@ def shared(
     there &= surface.model[:n] >= 0
     some = np.flatnonzero(there).astype(np.int32)
     light = np.zeros((n, degrees, 3), np.float32)
-    behind = np.zeros((n, slots, degrees, 3), np.float32)
+    behind = np.zeros((n, degrees, 3, slots), np.float32)
     for piece in pieces(len(some), PIECE):
         args = surface, arriving, hand, some[piece], scale, light, behind
         for_ranges(_gather, piece.stop - piece.start, *args, grain=64)
-    rows = np.concatenate([light[:, None], behind], axis=1).reshape(n, -1)
+    rows = np.concatenate([light.reshape(n, -1), behind.reshape(n, -1)], axis=1)
     reach = min(
         SIDE // 2, arriving.width // WIDTHS
     )  # blurs less than a block where pixels are large
@@ -64,8 +63,8 @@ def shared(
             grain=256,
         )  # fmt: skip
         rows = out
-    found = rows.reshape(n, slots + 1, degrees, 3)
-    return Even(np.ascontiguousarray(found[:, 0]), np.ascontiguousarray(found[:, 1:]))
+    light, behind = (np.ascontiguousarray(a) for a in np.split(rows, [3 * degrees], axis=1))
+    return Even(light.reshape(n, degrees, 3), behind.reshape(n, degrees, 3, slots))
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
@@ -73,39 +72,47 @@ def _gather(begin, end, surface, arriving, hand, some, step, even, behind):
     surface, arriving = borrow(surface), borrow(arriving)
     cosines, degrees = arriving.patterns.cosines, even.shape[1]
     kind, brought = arriving.second.kind, arriving.rows
-    room = np.zeros((degrees, 3), np.float32)
-    total = np.zeros(brought.shape[1], np.float32)
-    share = np.float32(1.0 / -(-cosines // step))
+    count = -(-cosines // step)
+    share = np.float32(1.0 / count)
+    rays, room = room_for(count), np.zeros((count, brought.shape[1]), np.float32)
+    weight, total = np.full((3, count), share, np.float32), np.zeros(brought.shape[1], np.float32)
     for q in range(begin, end):
         i = some[q]
-        z, g = vec(surface.normal, i), vec(surface.geometric, i)
-        s, t = tangents(z)
-        sample = arriving.sample[i]
-        local = arriving.patterns.local[pattern_of(i, arriving.width)]
+        sample, rest = arriving.sample[i], 0
         total[:] = 0.0
+        # These rays count alike, so that no direction need be known but of those that leave the
+        # scene, or meet gloss.
         for k in range(0, cosines, step):
-            y = sample[k]
-            # These rays count alike, so that no direction need be known but of those that leave
-            # the scene, or meet gloss.
-            if is_matt_light(kind, y):
-                add_lanes(total, share, brought[y])
-                continue
-            if y == BEYOND and arriving.beyond.shape[0] == 0:
-                continue
-            w = local[0, k], local[1, k], local[2, k]
-            d = to_world(w, s, t, z)
-            if dot(d, g) <= 0.0:
-                continue
-            if surface.material[i] == hand:
-                came = came_along(arriving, y, d, k, room)
+            if is_matt_light(kind, sample[k]):
+                add_lanes(total, share, brought[sample[k]])
             else:
-                came = came_apart(arriving, y, d, k, (share, share, share), room, behind[i])
-            for n in range(degrees):
-                for c in range(3):
-                    total[3 * n + c] += share * came[n, c]
+                rest += 1
+        if rest > 0:
+            z, g = vec(surface.normal, i), vec(surface.geometric, i)
+            s, t = tangents(z)
+            _directions(arriving, i, count, step, to_local(g, s, t, z), rays)
+            apart = behind.shape[3] > 0 and surface.material[i] != hand
+            bring_rest(arriving, sample, rays, count, 0, step, (s, t, z), apart, room)
+            for r in range(count):
+                if rays.z[r] > 0.0 and not is_matt_light(kind, sample[r * step]):
+                    add_lanes(total, share, room[r])
+            if apart:
+                add_behind(
+                    arriving.second, sample, rays, count, 0, step, (s, t, z), weight, behind[i]
+                )
         for n in range(degrees):
             for c in range(3):
                 even[i, n, c] = total[3 * n + c]
+
+
+@njit
+def _directions(arriving, i, count, step, g, rays):
+    """Fill in every step-th of a pixel's rays."""
+    local = arriving.patterns.local[pattern_of(i, arriving.width)]
+    for r in range(count):
+        w = local[0, r * step], local[1, r * step], local[2, r * step]
+        rays.x[r], rays.y[r] = w[0], w[1]
+        rays.z[r] = w[2] if dot(w, g) > 0.0 else -1.0
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})

@@ -14,17 +14,17 @@ from engine.methods.brdf_editing.arriving import (
     Arriving,
     Surface,
     add_even,
-    came_apart,
+    bring_rest,
     fetch,
-    is_matt_light,
     part_of,
 )
 from engine.methods.brdf_editing.fold import PIECE, Folded, to_steps
 from engine.methods.brdf_editing.light_seen import MOST, lamp_rays
 from engine.methods.brdf_editing.patterns import pattern_of, rays_of, room_for
+from engine.methods.brdf_editing.second import add_behind
 from engine.methods.interrupt import pieces
 from engine.numerics.borrow import borrow
-from engine.numerics.frames import tangents, to_local, to_world
+from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import vec
 
@@ -60,9 +60,8 @@ def _reflect(begin, end, surface, arriving, hand, pixels, slots, out, steps, uni
         room_for(most),
         np.zeros((most, arriving.rows.shape[1]), np.float32),
         np.zeros((3, most)),
-        np.zeros((out.shape[1], 3), np.float32),
     )
-    behind = np.zeros((slots, out.shape[1], 3), np.float32)
+    behind = np.zeros((out.shape[1], 3, slots), np.float32)
     for q in range(begin, end):
         i = pixels[q]
         behind[:] = 0.0
@@ -85,51 +84,45 @@ def _reflect(begin, end, surface, arriving, hand, pixels, slots, out, steps, uni
                     surface, arriving, at, link, part, parts, colour, work, behind, out[i]
                 )
         if slots > 0:
-            to_steps(behind.reshape(slots, -1), steps[i], unit[i])
+            to_steps(behind.reshape(-1, slots).T, steps[i], unit[i])
 
 
 @njit
 def _add_behind(arriving, link, parts, colour, behind):
     for c in range(3):
         share = np.float32(colour[c] / parts)
-        for slot in range(behind.shape[0]):
-            for n in range(behind.shape[1]):
-                behind[slot, n, c] += share * arriving.even.behind[link, slot, n, c]
+        for n in range(behind.shape[0]):
+            for slot in range(behind.shape[2]):
+                behind[n, c, slot] += share * arriving.even.behind[link, n, c, slot]
 
 
 @njit(fastmath={"contract", "reassoc"})
 def _reflect_rays(surface, arriving, at, link, part, parts, colour, work, behind, out):
     """Add what rays bring, but for what a matt surface of the colour reflects, and lamps."""
-    rays, room, f, one = work
+    rays, room, f = work
+    apart = behind.shape[2] > 0
     p, model = surface.row[at], surface.model[at]
     z = vec(surface.normal, at)
     s, t = tangents(z)
     wo = to_local(vec(surface.eye, at), s, t, z)
     g = to_local(vec(surface.geometric, at), s, t, z)
     pattern = pattern_of(link, arriving.width)
-    sample, kind = arriving.sample[link], arriving.second.kind
+    sample = arriving.sample[link]
     count = rays_of(arriving.patterns, pattern, part, parts, wo, g, rays)
     fetch(arriving.rows, sample, part, parts, room)
+    bring_rest(arriving, sample, rays, count, part, parts, (s, t, z), apart, room)
     evaluate_along(model, p, rays.x, rays.y, rays.z, count, wo, f)
     for q in range(count):
-        weight, k = rays.weight[q], part + q * parts
-        if weight <= 0.0:
-            continue
-        own = (
-            weight * (f[0, q] - colour[0] / math.pi),
-            weight * (f[1, q] - colour[1] / math.pi),
-            weight * (f[2, q] - colour[2] / math.pi),
-        )
-        if is_matt_light(kind, sample[k]):
+        weight = rays.weight[q]
+        for c in range(3):
+            f[c, q] = weight * (f[c, q] - colour[c] / math.pi) if weight > 0.0 else 0.0
+    for q in range(count):
+        if rays.weight[q] > 0.0:
             for n in range(out.shape[0]):
                 for c in range(3):
-                    out[n, c] += own[c] * room[q, 3 * n + c]
-            continue
-        d = to_world((rays.x[q], rays.y[q], rays.z[q]), s, t, z)
-        came = came_apart(arriving, sample[k], d, k, own, one, behind)
-        for n in range(out.shape[0]):
-            for c in range(3):
-                out[n, c] += own[c] * came[n, c]
+                    out[n, c] += f[c, q] * room[q, 3 * n + c]
+    if apart:
+        add_behind(arriving.second, sample, rays, count, part, parts, (s, t, z), f, behind)
     for lamp in range(arriving.lights.kind.shape[0]):
         count = lamp_rays(
             surface, arriving.lights, arriving.seen, at, lamp, parts, (s, t, z), rays, room

@@ -22,15 +22,16 @@ from engine.brdf import table as brdfs
 from engine.brdf.curve_basis import weights_at
 from engine.brdf.layers import CONSTANTS, factors
 from engine.methods.brdf_editing.light_seen import Shining, from_lamp
+from engine.methods.brdf_editing.links import BEYOND
 from engine.methods.brdf_editing.patterns import GOLDEN, PLASTIC
-from engine.numerics.frames import tangents, to_local
+from engine.numerics.frames import tangents, to_local, to_world
 from engine.numerics.vec import scale, vec
 
 evaluate = brdfs.evaluate
 
 MATT, FROZEN, HAND = 0, 1, 2
 VIEWS = 10  # across the disk of directions that tables are made for
-LAMP_POINTS = 4  # of each lamp, for each ray that lands
+LAMP_POINTS = 2  # of each lamp, for each ray that lands
 LEAST = 0.05  # cosine of a ray that the normal of its sample has near or below the surface
 
 
@@ -38,14 +39,15 @@ class Second(NamedTuple):
     """What samples of the gather cloud send.
 
     kind      (n_g,) uint8      MATT: the same all round
-    place     (n_g,) int32      in `base` and `frozen`
-    own       (n_g,) int32      in `glow`, `constant` and `hand`
-    cell      (VIEWS, VIEWS) int32   which view of the tables
+    place     (n_g,) int32      in `base`
+    own       (n_g,) int32      in `glow` and `constant`
+    cell      (VIEWS, VIEWS) int32   which view
+    entry     (n_g, views) int32     in `frozen` and `hand`, for what is looked up
     base      (m, deg + 1, 3)   what a sample sends all round; of the one in hand as it was taken
-    frozen    (m, views, deg + 1, 3)   its gloss by the direction
+    frozen    (pairs, deg + 1, 3)   its gloss, by the direction
     glow      (h, 3)            emission of samples of the material in hand
     constant  (h, deg + 1, 3)   what a white matt one in its place would send
-    hand      (h, views, curves · bands, deg + 1, 3)   its gloss by direction and element
+    hand      (pairs, deg + 1, 3, curves · bands)   its gloss, by direction and element
     share     (constants,)      albedos of the constants
     inverse   (3,)              1 / albedo in hand, as it was taken; 0 where there was none
     bands, tents                elements of a curve in hand, and which they are
@@ -58,6 +60,7 @@ class Second(NamedTuple):
     place: NDArray[np.int32]
     own: NDArray[np.int32]
     cell: NDArray[np.int32]
+    entry: NDArray[np.int32]
     base: NDArray[np.float32]
     frozen: NDArray[np.float32]
     glow: NDArray[np.float32]
@@ -79,10 +82,10 @@ class Second(NamedTuple):
     @property
     def slots(self) -> int:
         """Number of coefficients that the second bounce has of the material in hand."""
-        return len(self.share) + self.hand.shape[2]
+        return len(self.share) + self.hand.shape[3]
 
 
-@njit
+@njit(forceinline=True)
 def _towards(second, y, d):
     """(local direction back along a ray d, frame) of sample y."""
     z = vec(second.normal, y)
@@ -91,7 +94,7 @@ def _towards(second, y, d):
     return (w[0], w[1], max(LEAST, w[2])), (s, t, z)
 
 
-@njit
+@njit(forceinline=True)
 def _view_of(second, wo, k):
     """One of the four views around wo, taken by turns over the rays, as often as it is near."""
     x = 0.5 * (wo[0] + 1.0) * VIEWS - 0.5 + (k * PLASTIC[0]) % 1.0
@@ -102,6 +105,12 @@ def _view_of(second, wo, k):
 
 
 @njit
+def view_along(second, y, d, k):
+    """The view of sample y that is looked up for ray k, of direction d."""
+    return _view_of(second, _towards(second, y, d)[0], k)
+
+
+@njit(forceinline=True)
 def _lamp_point(second, y, lamp, k, turn, frame):
     """(seen, local direction, radiance times solid angle) of one of LAMP_POINTS of a lamp."""
     light = second.lights
@@ -114,63 +123,98 @@ def _lamp_point(second, y, lamp, k, turn, frame):
     return wi[2] > 0.0, wi, scale(radiance, 1.0 / LAMP_POINTS)
 
 
-@njit(fastmath={"contract", "reassoc"})
-def sent(second, y, d, k, out):
-    """Fill out (deg + 1, 3) with what sample y sends back along ray k, of direction d."""
+@njit(forceinline=True)
+def _sent(second, y, d, k, out):
+    """Fill a row of light with what sample y sends back along ray k, of direction d."""
     wo, frame = _towards(second, y, d)
     place = second.place[y]
-    gloss, base = second.frozen[place, _view_of(second, wo, k)], second.base[place]
-    for n in range(out.shape[0]):
+    gloss, base = second.frozen[second.entry[y, _view_of(second, wo, k)]], second.base[place]
+    for n in range(base.shape[0]):
         for c in range(3):
-            out[n, c] = base[n, c] + gloss[n, c]
+            out[3 * n + c] = base[n, c] + gloss[n, c]
     m = second.material[y]
     for lamp in range(second.seen.shape[1]):
+        if second.seen[y, lamp] == np.uint64(0):
+            continue
         for turn in range(LAMP_POINTS):
             seen, wi, light = _lamp_point(second, y, lamp, k, turn, frame)
             if seen:
                 f = evaluate(second.model[m], second.row[m], wi, wo)
                 for c in range(3):
-                    out[0, c] += wi[2] * f[c] * light[c]
+                    out[c] += wi[2] * f[c] * light[c]
 
 
-@njit
-def sent_to_itself(second, y, d, k, matt, out):
-    """The same from the material in hand to itself: as it was taken, in proportion to its albedo.
+@njit(forceinline=True)
+def _in_proportion(second, y, matt, out):
+    """What a sample of the material in hand sends to that itself, made of what `_sent` found.
 
-    matt (deg + 1, 3) is what it sends as a matt one, for channels in which it was black.
+    As it was taken, in proportion to its albedo. matt (deg + 1, 3) is what it sends as a matt one,
+    for channels in which it was black.
     """
-    sent(second, y, d, k, out)
     glow = second.glow[second.own[y]]
     for c in range(3):
         if second.inverse[c] > 0.0:
-            out[0, c] -= glow[c]
-            for n in range(out.shape[0] - 1, 0, -1):
-                out[n, c] = out[n - 1, c] * second.inverse[c]
-            out[0, c] = glow[c]
+            out[c] -= glow[c]
+            for n in range(matt.shape[0] - 1, 0, -1):
+                out[3 * n + c] = out[3 * n - 3 + c] * second.inverse[c]
+            out[c] = glow[c]
         else:
-            for n in range(out.shape[0]):
-                out[n, c] = matt[n, c]
+            for n in range(matt.shape[0]):
+                out[3 * n + c] = matt[n, c]
 
 
 @njit(fastmath={"contract", "reassoc"})
-def add_sent_in_hand(second, y, d, k, weight, total):
-    """Add what each coefficient of sample y, in hand, sends back along ray k, of direction d.
+def bring_gloss(second, powers, sample, rays, count, part, parts, frame, apart, room):
+    """Fill rows (N, lanes) of rays that meet gloss: all that it sends.
 
-    weight is three numbers, total (slots, deg + 1, 3).
+    With `apart` only the glow of the material in hand; the rest is for `add_behind`.
     """
+    for q in range(count):
+        k = part + q * parts
+        y = sample[k]
+        if rays.z[q] <= 0.0 or y == BEYOND or second.kind[y] == MATT:
+            continue
+        out = room[q]
+        if apart and second.kind[y] == HAND:
+            out[:] = 0.0
+            out[:3] = second.glow[second.own[y]]
+            continue
+        d = to_world((rays.x[q], rays.y[q], rays.z[q]), frame[0], frame[1], frame[2])
+        _sent(second, y, d, k, out)
+        if second.kind[y] == HAND:
+            _in_proportion(second, y, powers[y], out)
+
+
+@njit(fastmath={"contract", "reassoc"})
+def add_behind(second, sample, rays, count, part, parts, frame, weight, total):
+    """Add what each coefficient of samples in hand sends back along rays, times weight (3, N).
+
+    total is (deg + 1, 3, slots).
+    """
+    for q in range(count):
+        k = part + q * parts
+        y = sample[k]
+        if rays.z[q] > 0.0 and y != BEYOND and second.kind[y] == HAND:
+            d = to_world((rays.x[q], rays.y[q], rays.z[q]), frame[0], frame[1], frame[2])
+            _add_sent(second, y, d, k, (weight[0, q], weight[1, q], weight[2, q]), total)
+
+
+@njit(forceinline=True)
+def _add_sent(second, y, d, k, weight, total):
     wo, frame = _towards(second, y, d)
     own, constants = second.own[y], second.share.shape[0]
-    gloss, matt = second.hand[own, _view_of(second, wo, k)], second.constant[own]
-    for q in range(constants):
-        for n in range(total.shape[1]):
-            for c in range(3):
-                total[q, n, c] += weight[c] * second.share[q] * matt[n, c]
-    for slot in range(gloss.shape[0]):
-        for n in range(total.shape[1]):
-            for c in range(3):
-                total[constants + slot, n, c] += weight[c] * gloss[slot, n, c]
-    m, curves = second.material[y], gloss.shape[0] // second.bands
+    gloss, matt = second.hand[second.entry[y, _view_of(second, wo, k)]], second.constant[own]
+    for n in range(total.shape[0]):
+        for c in range(3):
+            share = np.float32(weight[c])
+            for q in range(constants):
+                total[n, c, q] += share * second.share[q] * matt[n, c]
+            for slot in range(gloss.shape[2]):
+                total[n, c, constants + slot] += share * gloss[n, c, slot]
+    m, curves = second.material[y], gloss.shape[2] // second.bands
     for lamp in range(second.seen.shape[1]):
+        if second.seen[y, lamp] == np.uint64(0):
+            continue
         for turn in range(LAMP_POINTS):
             seen, wi, light = _lamp_point(second, y, lamp, k, turn, frame)
             if not seen:
@@ -180,6 +224,6 @@ def add_sent_in_hand(second, y, d, k, weight, total):
             for q in range(curves):
                 slot, value = constants + q * second.bands + j, wi[2] * f[1 + CONSTANTS + q]
                 for c in range(3):
-                    total[slot, 0, c] += weight[c] * value * here * light[c]
+                    total[0, c, slot] += weight[c] * value * here * light[c]
                     if there > 0.0:
-                        total[slot + 1, 0, c] += weight[c] * value * there * light[c]
+                        total[0, c, slot + 1] += weight[c] * value * there * light[c]

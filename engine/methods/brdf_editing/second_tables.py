@@ -36,7 +36,6 @@ from engine.scene.scene import MaterialTable
 
 RAYS = 256  # of a gather sample
 FINE = 64  # elements that the lobes of frozen materials are resolved with
-BLOCK = 512  # gather samples whose tables are made at a time
 LEAST = 1e-3  # albedo of which the inverse is taken
 COARSER = 2  # levels between the environment's samples and the cells around rays
 
@@ -79,7 +78,9 @@ def second_lattice() -> NDArray[np.float64]:
 
 def no_second(cloud: GatherCloud, light: Shining) -> Second:
     """All samples are matt."""
-    points, n = cloud.points, len(cloud)
+    points, n, number = cloud.points, len(cloud), texels(VIEWS).number
+    cell = np.zeros(VIEWS * VIEWS, np.int32)
+    cell[number] = np.arange(len(number))
 
     def none(axes: int) -> Light:
         return np.zeros((0,) * axes, np.float32)
@@ -87,8 +88,8 @@ def no_second(cloud: GatherCloud, light: Shining) -> Second:
     return Second(
         kind=np.zeros(n, np.uint8), place=np.zeros(n, np.int32),
         own=np.zeros(n, np.int32),
-        cell=np.zeros((VIEWS, VIEWS), np.int32), base=none(3), frozen=none(4),
-        glow=none(2), constant=none(3), hand=none(5), share=np.zeros(0),
+        cell=cell.reshape(VIEWS, VIEWS), entry=np.zeros((0, 0), np.int32), base=none(3),
+        frozen=none(3), glow=none(2), constant=none(3), hand=none(4), share=np.zeros(0),
         inverse=np.zeros(3, np.float32), bands=1,
         tents=False, position=points.position, normal=points.normal, material=points.material,
         size=points.size, model=np.zeros(0, np.int32), row=none(2),
@@ -99,31 +100,39 @@ def no_second(cloud: GatherCloud, light: Shining) -> Second:
 def second_bounce(
     cloud: GatherCloud,
     rays: SecondRays,
+    asked: NDArray[np.bool_],
     table: MaterialTable,
     hand: int,
     came: Incoming,
     light: Shining,
     settings: Settings,
 ) -> Second:
-    """The tables while the material `hand` is edited; -1 for none."""
+    """The tables while the material `hand` is edited, -1 for none.
+
+    asked (n_g, views) bool tells which views of samples are looked up, see `second_views`.
+    """
     second = no_second(cloud, light)
     grid, lattice = texels(VIEWS), second_lattice()
     of, irradiance = cloud.points.material, came.later.irradiance
     base = [second.base.reshape(0, *irradiance.shape[1:])]
-    frozen = [np.zeros((0, len(grid.number), *irradiance.shape[1:]), np.float32)]
-    beyond = _coarser(came.beyond)
-    for m, model in enumerate(table.model):
-        layers, p = LAYERS[model], without_grain(table.row[m][None])[0]
-        mine = np.flatnonzero(of == m)
+    frozen = [np.zeros((0, *irradiance.shape[1:], 1), np.float32)]
+    beyond, found = _coarser(came.beyond), asked.any(axis=1)
+    entry = np.zeros(asked.shape, np.int32)
+    # That in hand comes first, so that its rows of both tables have the same numbers.
+    for m in sorted(range(len(table.model)), key=lambda m: m != hand):
+        model, p = table.model[m], without_grain(table.row[m][None])[0]
+        layers, mine = LAYERS[model], np.flatnonzero((of == m) & found)
         if layers is None or layers.curves == 0 or len(mine) == 0:
             continue
+        pairs = asked[mine]
+        arriving = came.later.incoming, beyond, mine, pairs, rays.sample, cloud.points.normal
         if m == hand:
             elements, basis = settings.second_bands, settings.basis
             weights = lobe_weights(int(model), p, elements, basis, grid.direction, lattice)
-            sent = _sent(cloud, rays, came, beyond, mine, weights.reshape(-1, RAYS)[None])
+            weights = weights.reshape(len(grid.number), 1, -1, RAYS)
             second.kind[mine], second.own[mine] = HAND, np.arange(len(mine))
             second = second._replace(
-                hand=sent.reshape(len(mine), len(grid.number), -1, *irradiance.shape[1:]),
+                hand=_sent(*arriving, weights),
                 share=shares(int(model), p, settings.bands, basis).constants,
                 inverse=_inverse(came.albedo),
                 bands=elements, tents=basis == "tents", glow=cloud.emission[mine],
@@ -135,17 +144,16 @@ def second_bounce(
             second.kind[mine] = FROZEN
         weights = lobe_weights(int(model), p, FINE, "tents", grid.direction, lattice)
         lobes = coefficients(layers, p, FINE, "tents")[1].astype(np.float32)
-        whole = np.einsum("vljk,ljc->cvk", weights, lobes, optimize=True)
+        whole = np.einsum("vljk,ljc->vck", weights, lobes, optimize=True)[:, :, None]
+        entry[mine] = (np.cumsum(pairs) - 1).reshape(pairs.shape) + sum(map(len, frozen))
         second.place[mine] = sum(map(len, base)) + np.arange(len(mine))
-        frozen.append(_sent(cloud, rays, came, beyond, mine, whole))
+        frozen.append(_sent(*arriving, np.ascontiguousarray(whole)))
         base.append(came.matt[mine, None] * irradiance[mine])
         base[-1][:, 0] += cloud.emission[mine]
-    cell = np.zeros(VIEWS * VIEWS, np.int32)
-    cell[grid.number] = np.arange(len(grid.number))
     row = without_grain(table.row)
     row[:, DIFFUSE : DIFFUSE + 3] = 0
     return second._replace(
-        cell=cell.reshape(VIEWS, VIEWS), base=np.concatenate(base), frozen=np.concatenate(frozen),
+        entry=entry, base=np.concatenate(base), frozen=np.concatenate(frozen)[..., 0],
         model=table.model.astype(np.int32), row=row, seen=rays.seen,
     )  # fmt: skip
 
@@ -161,42 +169,60 @@ def _coarser(beyond: Light) -> Light:
 
 
 def _sent(
-    cloud: GatherCloud,
-    rays: SecondRays,
-    came: Incoming,
+    incoming: Light,
     beyond: Light,
     mine: NDArray[np.intp],
+    pairs: NDArray[np.bool_],
+    sample: NDArray[np.uint16],
+    normal: Light,
     weights: Light,
 ) -> Light:
-    """(m, v, deg + 1, 3): what samples send on, by weights (3, v, RAYS), or (1, v, RAYS)."""
-    incoming = came.later.incoming
-    degrees = incoming.shape[1]
-    out = np.zeros((len(mine), weights.shape[1], degrees, 3), np.float32)
-    for start in range(0, len(mine), BLOCK):
-        part, sent = mine[start : start + BLOCK], out[start : start + BLOCK]
-        light = np.zeros((len(part), RAYS, degrees, 3), np.float32)
-        for_ranges(
-            _arriving, len(part), part, rays.sample, incoming, beyond, cloud.points.normal,
-            second_lattice(), light, grain=16,
-        )  # fmt: skip
-        if len(weights) == 1:
-            sent[:] = (weights[0] @ light.reshape(len(part), RAYS, -1)).reshape(sent.shape)
-        else:
-            for c in range(3):
-                sent[..., c] = weights[c] @ light[..., c]
+    """(pairs, deg + 1, 3, slots): what samples `mine` send to the views that are asked of each.
+
+    pairs (m, v); weights (v, channels, slots, RAYS), with one channel for all three or three.
+    """
+    count = pairs.sum(axis=1)
+    out = np.zeros((int(count.sum()), *incoming.shape[1:], weights.shape[2]), np.float32)
+    for_ranges(
+        _send, len(mine), mine, np.cumsum(count) - count, pairs, sample, incoming, beyond, normal,
+        second_lattice(), weights, out, grain=64,
+    )  # fmt: skip
     return out
 
 
-@njit(cache=True, nogil=True)
-def _arriving(start, stop, mine, sample, incoming, beyond, normal, lattice, out):
+@njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
+def _send(
+    start, stop, mine, first, pairs, sample, incoming, beyond, normal, lattice, weights, out
+):  # fmt: skip
+    light = np.zeros((*incoming.shape[1:], lattice.shape[0]), np.float32)
     for i in range(start, stop):
-        y = mine[i]
-        z = vec(normal, y)
-        s, t = tangents(z)
-        for k in range(lattice.shape[0]):
-            if sample[y, k] != BEYOND:
-                out[i, k] = incoming[sample[y, k]]
-            elif beyond.shape[0] > 0:
-                d = to_world(vec(lattice, k), s, t, z)
+        _arriving(mine[i], sample, incoming, beyond, vec(normal, mine[i]), lattice, light)
+        row = first[i]
+        for v in range(pairs.shape[1]):
+            if not pairs[i, v]:
+                continue
+            for n in range(out.shape[1]):
                 for c in range(3):
-                    out[i, k, 0, c] = beyond[cell_of(d, DEPTH - COARSER), c]
+                    for slot in range(out.shape[3]):
+                        weight = weights[v, min(c, weights.shape[1] - 1), slot]
+                        total = np.float32(0)
+                        for k in range(lattice.shape[0]):
+                            total += weight[k] * light[n, c, k]
+                        out[row, n, c, slot] = total
+            row += 1
+
+
+@njit
+def _arriving(y, sample, incoming, beyond, normal, lattice, out):
+    """Fill out (deg + 1, 3, RAYS) with the light that arrives at sample y along its rays."""
+    out[:] = 0.0
+    s, t = tangents(normal)
+    for k in range(lattice.shape[0]):
+        if sample[y, k] != BEYOND:
+            for n in range(out.shape[0]):
+                for c in range(3):
+                    out[n, c, k] = incoming[sample[y, k], n, c]
+        elif beyond.shape[0] > 0:
+            d = to_world(vec(lattice, k), s, t, normal)
+            for c in range(3):
+                out[0, c, k] = beyond[cell_of(d, DEPTH - COARSER), c]

@@ -1,0 +1,59 @@
+"""Which views of gather samples the rays of pixels look from: their tables need no others.
+
+Of the eighty views of a sample most are never looked up, as what sees it lies in few directions.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from engine.methods.brdf_editing.arriving import Arriving, Surface, part_of
+from engine.methods.brdf_editing.links import BEYOND
+from engine.methods.brdf_editing.patterns import pattern_of, rays_of, room_for
+from engine.methods.brdf_editing.second import view_along
+from engine.numerics.borrow import borrow
+from engine.numerics.frames import tangents, to_local, to_world
+from engine.numerics.parallel import for_ranges
+from engine.numerics.vec import vec
+
+
+def views_asked(
+    surface: Surface, arriving: Arriving, pixels: NDArray[np.int32]
+) -> NDArray[np.bool_]:
+    """(n_g, views): those for pixels, and for others whose rays they take."""
+    second = arriving.second
+    out = np.zeros((len(second.normal), second.cell.max() + 1), np.bool_)
+    some = np.union1d(pixels, surface.donor)
+    for_ranges(_mark, len(some), surface, arriving, some, out, grain=64)
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _mark(begin, end, surface, arriving, pixels, out):
+    surface, arriving = borrow(surface), borrow(arriving)
+    rays = room_for(arriving.sample.shape[1])
+    for q in range(begin, end):
+        i = pixels[q]
+        _mark_part(surface, arriving, i, i, 0, 1, rays, out)
+        if surface.edge[i] >= 0:
+            for part in range(4):
+                at, link = part_of(surface, i, part)
+                _mark_part(surface, arriving, at, link, part, 4, rays, out)
+
+
+@njit
+def _mark_part(surface, arriving, at, link, part, parts, rays, out):
+    if surface.material[at] < 0:
+        return
+    z = vec(surface.normal, at)
+    s, t = tangents(z)
+    wo = to_local(vec(surface.eye, at), s, t, z)
+    g = to_local(vec(surface.geometric, at), s, t, z)
+    pattern, sample = pattern_of(link, arriving.width), arriving.sample[link]
+    for q in range(rays_of(arriving.patterns, pattern, part, parts, wo, g, rays)):
+        k = part + q * parts
+        if rays.weight[q] > 0.0 and sample[k] != BEYOND:
+            d = to_world((rays.x[q], rays.y[q], rays.z[q]), s, t, z)
+            out[sample[k], view_along(arriving.second, sample[k], d, k)] = True
