@@ -5,7 +5,7 @@ even light (eq. 36) is linear in the colours and curves of the layers, so that
 
     d = 1/π Σ_j c_j e_j                                                                    (eq. 37)
 
-with e_j from a dense quadrature, once for a model and what its quotients keep.
+with e_j from a dense quadrature, once for a way to cut a model and what its quotients keep.
 """
 
 from __future__ import annotations
@@ -43,15 +43,15 @@ class Shares(NamedTuple):
         return self.constants @ colours + np.einsum("lj,ljc->c", self.curves, curves)
 
 
-def shares(model: int, p: NDArray[np.float32], count: int, basis: Basis) -> Shares:
+def shares(cut: int, p: NDArray[np.float32], count: int, basis: Basis) -> Shares:
     """Those of the quotients that p makes; see `layers` and `curve_basis`."""
-    layers = LAYERS[model]
+    layers = LAYERS[cut]
     assert layers is not None
-    known = (model, layers.held(p), count, basis)
+    known = (cut, layers.held(p), count, basis)
     if known not in _KNOWN:
         if len(_KNOWN) >= KEPT:  # a held number may be anything
             _KNOWN.clear()
-        _KNOWN[known] = _integrated(layers, model, without_grain(p[None])[0], count, basis)
+        _KNOWN[known] = _integrated(layers, cut, without_grain(p[None])[0], count, basis)
     return _KNOWN[known]
 
 
@@ -59,13 +59,13 @@ _KNOWN: dict[tuple[int, float, int, Basis], Shares] = {}
 
 
 def _integrated(
-    layers: Layers, model: int, p: NDArray[np.float32], count: int, basis: Basis
+    layers: Layers, cut: int, p: NDArray[np.float32], count: int, basis: Basis
 ) -> Shares:
     s, height = _gauss(VIEWS)
     cosine, solid = angles(count)
     constants, curves = np.zeros(CONSTANTS), np.zeros((CURVES, count))
     _integrate(
-        model, p, basis == "tents", layers.mirrored, s, height, cosine, solid, constants, curves,
+        cut, p, basis == "tents", layers.mirrored, s, height, cosine, solid, constants, curves,
     )  # fmt: skip
     return Shares(constants[: layers.constants], curves[: layers.curves])
 
@@ -83,7 +83,7 @@ def _gauss(n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 @njit(cache=True, nogil=True)
-def _integrate(model, p, tents, mirrored, s, height, cosine, solid, constants, curves):
+def _integrate(cut, p, tents, mirrored, s, height, cosine, solid, constants, curves):
     """Sum up both; solid (n,) is sin γ dγ about the cosines (n,) of angles γ."""
     step = 2.0 * np.pi / ROUND
     for v in range(s.shape[0]):
@@ -97,7 +97,7 @@ def _integrate(model, p, tents, mirrored, s, height, cosine, solid, constants, c
                 for k in range(ROUND):
                     r, z = np.sqrt(s[i]), np.sqrt(1.0 - s[i])
                     wi = (r * np.cos(k * step), r * np.sin(k * step), z)
-                    f = factors(model, p, wi, wo)
+                    f = factors(cut, p, wi, wo)
                     for q in range(CONSTANTS):
                         constants[q] += weight * 0.5 * height[i] * step * f[1 + q]
             # Directions about what γ is measured from.
@@ -107,7 +107,7 @@ def _integrate(model, p, tents, mirrored, s, height, cosine, solid, constants, c
                     area = solid[i] * step * jacobian
                     if d[2] <= 0.0 or area <= 0.0:
                         continue
-                    f = factors(model, p, d, wo)
+                    f = factors(cut, p, d, wo)
                     j, here, there = weights_at(f[0], curves.shape[1], tents)
                     for q in range(CURVES):
                         value = weight * area * d[2] * f[1 + CONSTANTS + q]

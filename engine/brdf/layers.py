@@ -34,17 +34,16 @@ from engine.brdf import (
     ggx,
     half_angle_curve,
     phong,
+    quotients,
 )
-from engine.brdf.base import DIFFUSE, EXTRA, ROUGHNESS, SPECULAR, half, to_grain
-from engine.brdf.fresnel import f90, rise
-from engine.brdf.half_angle import place_of
+from engine.brdf.base import DIFFUSE, EXTRA, ROUGHNESS, SPECULAR
+from engine.brdf.fresnel import f90
 from engine.brdf.table import MODELS
 from engine.numerics.dispatch import along, by_index, formula
 from engine.numerics.frames import tangents, to_world
 from engine.numerics.vec import dot, reflect
 
 CONSTANTS, CURVES = 3, 2  # at most, of any model
-LEAST = 1e-3  # n_u where it is less, so that it has a ratio
 
 Curves = Callable[[NDArray[np.float32], NDArray[np.float64]], NDArray[np.float64]]
 
@@ -58,8 +57,7 @@ class Layers:
     """How a model is cut.
 
     constants, curves  how many of each it has
-    factors            kernel (p, wi, wo) -> (u, q0, q1, q2, g0, g1): where γ lies between 0 and 1,
-                       see `half_angle`, the quotients of the constants and those of the curves
+    factors            the kernel of its `quotients`
     colours            row -> (constants, 3), the a_l
     lobes              (row, θ (n,)) -> (curves, n, 3), the f_l at angles γ
     held               row -> what of it the quotients keep
@@ -102,64 +100,6 @@ def direction_at(cosine, azimuth, wo, mirrored):
         return d, 1.0
     jacobian = 4.0 * dot(wo, d)
     return reflect(wo, d), max(0.0, jacobian)
-
-
-@formula
-def _matt(p, wi, wo):
-    return (0.0, 1.0 / math.pi, 0.0, 0.0, 0.0, 0.0)
-
-
-@formula
-def _phong(p, wi, wo):
-    cosine = min(1.0, dot((-wo[0], -wo[1], wo[2]), wi))
-    lobe = 1.0 if cosine > 0.0 else 0.0
-    return (place_of(max(0.0, cosine)), 1.0 / math.pi, 0.0, 0.0, lobe, 0.0)
-
-
-@formula
-def _blinn_phong(p, wi, wo):
-    h, _ = half(wi, wo)
-    return (place_of(h[2]), 1.0 / math.pi, 0.0, 0.0, 1.0, 0.0)
-
-
-@formula
-def _of_facets(visible, h, cos_d, wi, wo):
-    """Facets under a base that is coupled to them; visible is G / (4 cos θ_i cos θ_o)."""
-    i, o, r = rise(wi[2]), rise(wo[2]), rise(cos_d)
-    return (
-        place_of(h[2]),
-        1.0 / math.pi,
-        (i + o) / math.pi,
-        i * o / math.pi,
-        visible * (1.0 - r),
-        visible * r,
-    )
-
-
-@formula
-def _cook_torrance(p, wi, wo):
-    h, cos_d = half(wi, wo)
-    return _of_facets(cook_torrance.visible(h, cos_d, wi, wo), h, cos_d, wi, wo)
-
-
-@formula
-def _ggx(p, wi, wo):
-    h, cos_d = half(wi, wo)
-    return _of_facets(ggx.visible(p, wi, wo), h, cos_d, wi, wo)
-
-
-@formula
-def _ashikhmin_shirley(p, wi, wo):
-    """γ is the half angle as it would be without a grain: cos γ = cos θ_h to the power e / n_u."""
-    h, cos_d = half(wi, wo)
-    g = to_grain(p, h)
-    x, y = g[0] * g[0], g[1] * g[1]
-    ratio = float(p[EXTRA]) / max(LEAST, float(p[ROUGHNESS]))
-    power = (x + ratio * y) / (x + y) if x + y > 0.0 else 1.0
-    matt = ashikhmin_shirley.matt(wi, wo)
-    lobe = 1.0 / (4.0 * max(1e-30, cos_d * max(wi[2], wo[2])))
-    r = rise(cos_d)
-    return (place_of(min(1.0, h[2]) ** power), matt, 0.0, 0.0, lobe * (1.0 - r), lobe * r)
 
 
 def _diffuse_of(row: NDArray[np.float32]) -> NDArray[np.float64]:
@@ -214,9 +154,18 @@ def _ggx_lobe(row: NDArray[np.float32], theta: NDArray[np.float64]) -> NDArray[n
 
 
 def _brushed_lobe(row: NDArray[np.float32], theta: NDArray[np.float64]) -> NDArray[np.float64]:
-    nu, nv = float(row[ROUGHNESS]), float(row[EXTRA])
-    unit = math.sqrt((nu + 1) * (nv + 1)) / (2 * np.pi)
-    return _under_fresnel(row, unit * np.cos(theta) ** max(LEAST, nu))
+    return _exponent_lobe(row, theta, float(row[ROUGHNESS]))
+
+
+def _across_lobe(row: NDArray[np.float32], theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    return _exponent_lobe(row, theta, float(row[EXTRA]))
+
+
+def _exponent_lobe(
+    row: NDArray[np.float32], theta: NDArray[np.float64], exponent: float
+) -> NDArray[np.float64]:
+    unit = math.sqrt((float(row[ROUGHNESS]) + 1) * (float(row[EXTRA]) + 1)) / (2 * np.pi)
+    return _under_fresnel(row, unit * np.cos(theta) ** max(quotients.LEAST, exponent))
 
 
 def _free_lobe(row: NDArray[np.float32], theta: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -226,8 +175,12 @@ def _free_lobe(row: NDArray[np.float32], theta: NDArray[np.float64]) -> NDArray[
     return _under_fresnel(row, lobe)
 
 
+def _kept(place: int) -> Callable[[NDArray[np.float32]], float]:
+    return lambda row: float(row[place])
+
+
 def _ratio(row: NDArray[np.float32]) -> float:
-    return float(row[EXTRA]) / max(LEAST, float(row[ROUGHNESS]))
+    return float(row[EXTRA]) / max(quotients.LEAST, float(row[ROUGHNESS]))
 
 
 def _coupled_colours(row: NDArray[np.float32]) -> NDArray[np.float64]:
@@ -242,20 +195,52 @@ def _brushed_colours(row: NDArray[np.float32]) -> NDArray[np.float64]:
 
 
 _LAYERS: dict[ModuleType, Layers] = {
-    diffuse: Layers(1, 0, _matt, _diffuse_of, _no_lobes),
-    phong: Layers(1, 1, _phong, _diffuse_of, _phong_lobe, mirrored=True),
-    blinn_phong: Layers(1, 1, _blinn_phong, _diffuse_of, _blinn_lobe),
+    diffuse: Layers(1, 0, quotients.matt, _diffuse_of, _no_lobes),
+    phong: Layers(1, 1, quotients.phong, _diffuse_of, _phong_lobe, mirrored=True),
+    blinn_phong: Layers(1, 1, quotients.blinn_phong, _diffuse_of, _blinn_lobe),
     # Smith's G knows the roughness, and follows it slowly.
-    ggx: Layers(3, 2, _ggx, _coupled_colours, _ggx_lobe, lambda row: float(row[ROUGHNESS]), 0.2),
-    cook_torrance: Layers(3, 2, _cook_torrance, _coupled_colours, _beckmann_lobe),
-    half_angle_curve: Layers(3, 2, _cook_torrance, _coupled_colours, _free_lobe),
+    ggx: Layers(
+        3, 2, quotients.ggx_facets, _coupled_colours, _ggx_lobe, _kept(ROUGHNESS), slack=0.2
+    ),
+    cook_torrance: Layers(3, 2, quotients.beckmann_facets, _coupled_colours, _beckmann_lobe),
+    half_angle_curve: Layers(3, 2, quotients.beckmann_facets, _coupled_colours, _free_lobe),
     ashikhmin_shirley: Layers(
-        1, 2, _ashikhmin_shirley, _brushed_colours, _brushed_lobe, _ratio, even=False
+        1, 2, quotients.brushed_in_ratio, _brushed_colours, _brushed_lobe, _ratio, even=False
     ),
 }
+# Of its two exponents one may stand while the other is edited.
+_BRUSHED = (
+    Layers(
+        1, 2, quotients.brushed_across, _brushed_colours, _across_lobe, _kept(ROUGHNESS), even=False
+    ),
+    Layers(
+        1, 2, quotients.brushed_along, _brushed_colours, _brushed_lobe, _kept(EXTRA), even=False
+    ),
+)
 
-LAYERS: tuple[Layers | None, ...] = tuple(_LAYERS.get(module) for module in MODELS.values())
-"""By the index of the model; None for models that are not cut."""
+LAYERS: tuple[Layers | None, ...] = (
+    *(_LAYERS.get(module) for module in MODELS.values()),
+    *_BRUSHED,
+)
+"""Ways to cut models, the first of each by the index of the model; None where there is none."""
+
+
+def cut_for(
+    model: int, before: NDArray[np.float32], row: NDArray[np.float32], liked: int = -1
+) -> int:
+    """Which of LAYERS serves an edit of a model's row from what it was `before`.
+
+    The one that is liked, if it does; the model's own if none does, which then is new.
+    """
+    ways = [model]
+    if LAYERS[model] is _LAYERS[ashikhmin_shirley]:
+        ways += range(len(MODELS), len(LAYERS))
+    for cut in sorted(ways, key=lambda cut: cut != liked):
+        layers = LAYERS[cut]
+        if layers is not None and layers.covers(before, row):
+            return cut
+    return model
+
 
 _FACTORS = [(layers or _LAYERS[diffuse]).factors for layers in LAYERS]
 factors = by_index(_FACTORS, 3)

@@ -25,7 +25,7 @@ GRID = 64  # of the disk on which the nearest direction is looked up
 
 
 def lobe_weights(
-    model: int,
+    cut: int,
     p: NDArray[np.float32],
     count: int,
     basis: Basis,
@@ -36,12 +36,12 @@ def lobe_weights(
 
     views (v, 3) are the wo, directions (N, 3) those with the cells; local, unit, z > 0.
     """
-    layers = LAYERS[model]
+    layers = LAYERS[cut]
     assert layers is not None
     cosine, solid = angles(count)
     out = np.zeros((len(views), layers.curves, count, len(directions)), np.float32)
     for_ranges(
-        _weights, len(views), model, p, basis == "tents", layers.mirrored, views,
+        _weights, len(views), cut, p, basis == "tents", layers.mirrored, views,
         nearest_on_disk(directions), cosine, solid, out, grain=1,
     )  # fmt: skip
     return out
@@ -58,7 +58,7 @@ def nearest_on_disk(directions: NDArray[np.float64]) -> NDArray[np.int32]:
 
 
 @njit(cache=True, nogil=True)
-def _weights(start, stop, model, p, tents, mirrored, views, nearest, cosine, solid, out):
+def _weights(start, stop, cut, p, tents, mirrored, views, nearest, cosine, solid, out):
     step = 2.0 * np.pi / ROUND
     for v in range(start, stop):
         wo = vec(views, v)
@@ -71,7 +71,7 @@ def _weights(start, stop, model, p, tents, mirrored, views, nearest, cosine, sol
                 x = min(GRID - 1, int(0.5 * (d[0] + 1.0) * GRID))
                 y = min(GRID - 1, int(0.5 * (d[1] + 1.0) * GRID))
                 k = nearest[y, x]
-                f = factors(model, p, d, wo)
+                f = factors(cut, p, d, wo)
                 j, here, there = weights_at(f[0], out.shape[2], tents)
                 for c in range(out.shape[1]):
                     value = area * d[2] * f[1 + CONSTANTS + c]

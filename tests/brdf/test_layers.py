@@ -8,6 +8,7 @@ from brdf.materials import BLACK, LOBES, hemisphere, name_of, spike
 from numba import njit
 
 from engine.brdf import hemispherical_albedo, table
+from engine.brdf.ashikhmin_shirley import AshikhminShirley
 from engine.brdf.base import Material
 from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.curve_basis import Basis, coefficients, weights_at
@@ -15,7 +16,7 @@ from engine.brdf.equivalent_albedo import shares
 from engine.brdf.ggx import Ggx
 from engine.brdf.half_angle import angle_of, place_of
 from engine.brdf.half_angle_curve import NODES, HalfAngleCurve
-from engine.brdf.layers import LAYERS, factors
+from engine.brdf.layers import LAYERS, cut_for, factors
 from engine.brdf.published import PUBLISHED
 from engine.numerics.vec import vec
 
@@ -27,9 +28,9 @@ CUT = [
 
 
 @njit
-def _of_pairs(model, p, wi, wo, cut, whole):
+def _of_pairs(model, way, p, wi, wo, cut, whole):
     for i in range(wi.shape[0]):
-        cut[i] = factors(model, p, vec(wi, i), vec(wo, i))
+        cut[i] = factors(way, p, vec(wi, i), vec(wo, i))
         whole[i] = table.evaluate(model, p, vec(wi, i), vec(wo, i))
 
 
@@ -43,14 +44,17 @@ def pairs(count: int = 4000) -> tuple[np.ndarray, np.ndarray]:
     return wi[kept], wo[kept]
 
 
-def both(material: Material, held: Material, count: int, basis: Basis) -> tuple[np.ndarray, ...]:
+def both(
+    material: Material, held: Material, count: int, basis: Basis, way: int = -1
+) -> tuple[np.ndarray, ...]:
     """(the BRDF by its layers with quotients of `held`, the BRDF), (q, 3) each."""
     model, (wi, wo) = table.INDEX[type(material)], pairs()
-    layers = LAYERS[model]
+    way = model if way < 0 else way
+    layers = LAYERS[way]
     assert layers is not None
     cut, whole = np.zeros((len(wi), 6)), np.zeros((len(wi), 3))
-    _of_pairs(model, held.row(), wi, wo, cut, np.zeros_like(whole))
-    _of_pairs(model, material.row(), wi, wo, np.zeros_like(cut), whole)
+    _of_pairs(model, way, held.row(), wi, wo, cut, np.zeros_like(whole))
+    _of_pairs(model, way, material.row(), wi, wo, np.zeros_like(cut), whole)
     colours, curves = coefficients(layers, material.row(), count, basis)
     found = cut[:, 1 : 1 + layers.constants] @ colours
     for i, u in enumerate(cut[:, 0]):
@@ -94,6 +98,50 @@ def test_one_hand_holds_all_colours_and_widths() -> None:
             assert off(*both(material, other, 256, "tents")) < 0.01
     assert not LAYERS[table.INDEX[Ggx]].covers(  # type: ignore[union-attr]
         Ggx(roughness=0.2).row(), Ggx(roughness=0.3).row()
+    )
+
+
+BRUSHED = AshikhminShirley(exponent_u=20, exponent_v=100, specular=(0.6, 0.3, 0.1))
+
+
+@pytest.mark.parametrize(
+    ("edit", "kept"),
+    [
+        ({"exponent_u": 4, "exponent_v": 20}, "both in ratio"),
+        ({"exponent_v": 3}, "n_u"),
+        ({"exponent_v": 400}, "n_u"),
+        ({"exponent_u": 300}, "n_v"),
+    ],
+)
+def test_either_exponent_of_a_brushed_material_is_edited_alone(
+    edit: dict[str, float], kept: str
+) -> None:
+    """Eq. 33 to 35: what stands of the lobe is in the quotient, and the rest is a curve."""
+    model = table.INDEX[AshikhminShirley]
+    now = BRUSHED.model_copy(update=edit)
+    way = cut_for(model, BRUSHED.row(), now.row())
+    ways = {"both in ratio": model, "n_u": len(table.MODELS), "n_v": len(table.MODELS) + 1}
+    assert way == ways[kept]
+    assert off(*both(now, BRUSHED, 256, "tents", way)) < 0.01
+    layers = LAYERS[way]
+    assert layers is not None
+    found = shares(way, BRUSHED.row(), 64, "tents").albedo(
+        *coefficients(layers, now.row(), 64, "tents")
+    )
+    np.testing.assert_allclose(found, hemispherical_albedo(model, now.row())[0], atol=6e-3)
+
+
+def test_what_an_edit_of_a_brushed_material_is_taken_in_hand_with() -> None:
+    model, before = table.INDEX[AshikhminShirley], BRUSHED.row()
+    colour = BRUSHED.model_copy(update={"diffuse": (0.1, 0.2, 0.3)}).row()
+    both_exponents = BRUSHED.model_copy(update={"exponent_u": 30, "exponent_v": 30}).row()
+    across = len(table.MODELS)
+    assert cut_for(model, before, colour) == model
+    assert cut_for(model, before, colour, across) == across
+    assert cut_for(model, before, both_exponents, across) == model
+    assert (
+        cut_for(table.INDEX[Ggx], Ggx(roughness=0.2).row(), Ggx(roughness=0.3).row())
+        == (table.INDEX[Ggx])
     )
 
 

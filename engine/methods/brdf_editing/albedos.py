@@ -32,18 +32,18 @@ def albedos_of(table: MaterialTable, settings: Settings, gloss: NDArray[np.float
 
 
 def albedo_of(
-    model: int,
+    cut: int,
     row: NDArray[np.float32],
     taken: NDArray[np.float32],
     settings: Settings,
     gloss: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """(2, 3): those of a row whose quotients are `taken` from another."""
-    layers = LAYERS[model]
+    """(2, 3): those of a row whose quotients, one of LAYERS, are `taken` from another."""
+    layers = LAYERS[cut]
     assert layers is not None
     colours, lobes = coefficients(layers, row, settings.bands, settings.basis)
     lobes = averaged(lobes, gloss)
-    known = shares(model, taken, settings.bands, settings.basis)
+    known = shares(cut, taken, settings.bands, settings.basis)
     return np.stack([known.albedo(colours, 0 * lobes), known.albedo(0 * colours, lobes)])
 
 

@@ -53,8 +53,14 @@ class Folded(NamedTuple):
 
 
 class Slots(NamedTuple):
-    """Numbers of a model's constants and curves, of the elements of a curve, and which they are."""
+    """How a material is cut, and the elements of a curve.
 
+    cut                which of LAYERS
+    constants, curves  how many of each that has
+    bands, tents       how many elements a curve has, and which they are
+    """
+
+    cut: int
     constants: int
     curves: int
     bands: int
@@ -121,7 +127,7 @@ def _fold(begin, end, surface, arriving, pixels, hand, slots, steps, unit):
 def _fold_rays(surface, arriving, at, link, part, parts, slots, first, work, total):
     """Add what rays bring, and lamps: of a pixel's own rays to the quotients from `first` on."""
     rays, room, quotients = work
-    p, model = surface.row[at], surface.model[at]
+    p = surface.row[at]
     z = vec(surface.normal, at)
     s, t = tangents(z)
     wo = to_local(vec(surface.eye, at), s, t, z)
@@ -131,18 +137,18 @@ def _fold_rays(surface, arriving, at, link, part, parts, slots, first, work, tot
     count = rays_of(arriving.patterns, pattern, part, parts, wo, g, rays)
     fetch(arriving.rows, sample, part, parts, room)
     bring_rest(arriving, sample, rays, count, part, parts, (s, t, z), False, room)
-    _add(model, p, rays, count, wo, room, slots, first, quotients, total)
+    _add(p, rays, count, wo, room, slots, first, quotients, total)
     for lamp in range(arriving.lights.kind.shape[0]):
         count = lamp_rays(
             surface, arriving.lights, arriving.seen, at, lamp, parts, (s, t, z), rays, room
         )
-        _add(model, p, rays, count, wo, room, slots, 0, quotients, total)
+        _add(p, rays, count, wo, room, slots, 0, quotients, total)
 
 
 @njit(fastmath={"contract", "reassoc"})
-def _add(model, p, rays, count, wo, room, slots, first, f, total):
+def _add(p, rays, count, wo, room, slots, first, f, total):
     """Add what the quotients from `first` on make of rays with light `room`: (slots, lanes)."""
-    factors_along(model, p, rays.x, rays.y, rays.z, count, wo, f)
+    factors_along(slots.cut, p, rays.x, rays.y, rays.z, count, wo, f)
     for q in range(count):
         weight, came = rays.weight[q], room[q]
         if weight <= 0.0:

@@ -59,6 +59,7 @@ class Hand:
     """A material in hand, all others frozen.
 
     material  its number, -1 for none
+    cut       which of LAYERS its quotients are
     table     all materials as they were when it was taken
     lights    as they were then
     scale     1 for all pixels, 2 for every second one of every second row
@@ -70,6 +71,7 @@ class Hand:
     """
 
     material: int
+    cut: int
     table: MaterialTable
     lights: tuple[Light, ...]
     scale: int
@@ -92,7 +94,7 @@ class Hand:
             return False
         if len(changed) == 0:
             return True
-        layers = LAYERS[table.model[m]]
+        layers = LAYERS[self.cut]
         return (
             list(changed) == [m]
             and table.model[m] == self.table.model[m]
@@ -133,9 +135,9 @@ class Freezer:
         self._asked: dict[int, NDArray[np.bool_]] = {}
 
     def __call__(
-        self, material: int, table: MaterialTable, lights: tuple[Light, ...], scale: int
+        self, material: int, cut: int, table: MaterialTable, lights: tuple[Light, ...], scale: int
     ) -> Hand:
-        """A material of a table in hand, -1 for none, under lights of the scene."""
+        """A material of a table in hand, -1 for none, cut as one of LAYERS, under lights."""
         s, surface = self._settings, self._points.surface(table)
         glossy = (surface.material >= 0) & _glossy(table, material)[surface.material]
         lit = self._lighting.of((*lights, *self._suns), scale, glossy)
@@ -170,22 +172,24 @@ class Freezer:
             if scale not in self._asked:
                 self._asked[scale] = views_asked(surface, arriving, every)
             asked = self._asked[scale]
-            second = second_bounce(self._cloud, rays, asked, table, material, came, lit.lights, s)
+            second = second_bounce(
+                self._cloud, rays, asked, table, material, cut, came, lit.lights, s
+            )
             arriving = arriving._replace(second=second)
         arriving = arriving._replace(even=shared(surface, arriving, material, every, scale))
-        slots, pixels = Slots(0, 0, s.bands, s.basis == "tents"), np.zeros(0, np.int32)
+        slots, pixels = Slots(cut, 0, 0, s.bands, s.basis == "tents"), np.zeros(0, np.int32)
         if material >= 0:
-            layers = LAYERS[table.model[material]]
+            layers = LAYERS[cut]
             assert layers is not None
             slots = slots._replace(constants=layers.constants, curves=layers.curves)
             pixels = self._points.showing(material, scale)
         folded = fold(surface, arriving, pixels, material, slots)
         limits = limits_of(
-            self._scene.material_names, table, material, s, albedos, self._points.mean_gloss, of,
-            surface, arriving, sent,
+            self._scene.material_names, table, material, cut, s, albedos, self._points.mean_gloss,
+            of, surface, arriving, sent,
         )  # fmt: skip
         others, behind = reflect(surface, arriving, material, every)
-        return Hand(material, table, lights, scale, pixels, folded, others, behind, limits)
+        return Hand(material, cut, table, lights, scale, pixels, folded, others, behind, limits)
 
     def _cloud_texture(self) -> NDArray[np.float32]:
         """(n_g, 3): what textures make of the diffuse part of gather samples' albedos."""

@@ -46,6 +46,7 @@ class Limits:
     """What is known when a material is taken in hand.
 
     name      of the material, "" for none
+    cut       which of LAYERS its quotients are
     taken     its row as it was then
     sent      by the cloud
     albedos   of all materials
@@ -56,6 +57,7 @@ class Limits:
     """
 
     name: str
+    cut: int
     taken: NDArray[np.float32]
     sent: Sent
     albedos: Albedos
@@ -66,9 +68,9 @@ class Limits:
 
 
 def limits_of(
-    names: Sequence[str], table: MaterialTable, hand: int, settings: Settings, albedos: Albedos,
-    gloss: NDArray[np.float64], of: NDArray[np.int32], surface: Surface, arriving: Arriving,
-    sent: Sent,
+    names: Sequence[str], table: MaterialTable, hand: int, cut: int, settings: Settings,
+    albedos: Albedos, gloss: NDArray[np.float64], of: NDArray[np.int32], surface: Surface,
+    arriving: Arriving, sent: Sent,
 ) -> Limits:  # fmt: skip
     """Those of the material `hand`, -1 for none; `of` (n_g,) are the materials of the cloud."""
     shown = surface.material[: len(surface.edge)]
@@ -81,13 +83,14 @@ def limits_of(
     said: list[Diagnosis] = []
     for m, name in enumerate(names):
         if m != hand and (shown == m).any():
-            said += _of_material(name, table, m, settings, albedos[:, m], apart[m])
+            model = int(table.model[m])
+            said += _of_material(name, model, table.row[m], settings, albedos[:, m], apart[m])
     if hand >= 0:
         said += _textures(names[hand], table, hand)
     mirrored = _mirrored(len(names), of, surface, arriving)
     name, spacing = (names[hand], apart[hand]) if hand >= 0 else ("", 0.0)
     taken = table.row[hand]
-    return Limits(name, taken, sent, albedos, gloss[hand], mirrored, spacing, tuple(said))
+    return Limits(name, cut, taken, sent, albedos, gloss[hand], mirrored, spacing, tuple(said))
 
 
 def warnings(
@@ -98,10 +101,9 @@ def warnings(
     if hand >= 0:
         row = table.row[hand]
         albedos = albedos.copy()
-        albedo = albedos[:, hand] = albedo_of(
-            int(table.model[hand]), row, limits.taken, settings, limits.gloss
-        )
-        said += _of_material(limits.name, table, hand, settings, albedo, limits.spacing, True)
+        cut = limits.cut
+        albedo = albedos[:, hand] = albedo_of(cut, row, limits.taken, settings, limits.gloss)
+        said += _of_material(limits.name, cut, row, settings, albedo, limits.spacing, True)
     if settings.second_bands == 1:
         said += _seen_as_matt(limits.mirrored, albedos)
     said += _truncated(limits.sent, albedo.sum(axis=0), settings.bounces)
@@ -118,8 +120,8 @@ def _worst(said: Iterable[Diagnosis]) -> Iterator[Diagnosis]:
 
 
 def _of_material(
-    name: str, table: MaterialTable, m: int, settings: Settings, albedo: NDArray[np.float64],
-    apart: float, in_hand: bool = False,
+    name: str, cut: int, row: NDArray[np.float32], settings: Settings,
+    albedo: NDArray[np.float64], apart: float, in_hand: bool = False,
 ) -> Iterator[Diagnosis]:  # fmt: skip
     """What to say of one material, of albedo (2, 3), whose lamps' points lie so far apart."""
     whole = albedo.sum(axis=0)
@@ -133,8 +135,8 @@ def _of_material(
             "reflectance",
             float(whole[channel] - 1),
         )
-    layers = LAYERS[table.model[m]]
-    lobe = lobe_of(layers, table.row[m], settings) if layers is not None else None
+    layers = LAYERS[cut]
+    lobe = lobe_of(layers, row, settings) if layers is not None else None
     if lobe is None:
         return
     left = basis_error(lobe.half, settings.bands, settings.basis)

@@ -9,7 +9,7 @@ from engine.backend.choice import Backend
 from engine.brdf.base import GRAIN
 from engine.brdf.curve_basis import coefficients
 from engine.brdf.equivalent_albedo import shares
-from engine.brdf.layers import LAYERS
+from engine.brdf.layers import LAYERS, cut_for
 from engine.errors import EditNotSupported
 from engine.light.base import Light
 from engine.methods.base import Frame, MaterialFit, require_supported
@@ -37,6 +37,7 @@ class Polynomial:
         self.view, self._settings, self.cloud, self.transport = view, settings, cloud, transport
         self._freeze = Freezer(view, settings, cloud, transport)
         self._hand: Hand | None = None
+        self._shown = view.scene.material_table  # the materials of the last frame
         self._named = -1  # the material that the last frame's edits named last
 
     @property
@@ -80,6 +81,7 @@ class Polynomial:
             lights = edited_lights(lights, edits.lights, scene.folder)
         with clock("freeze"):
             hand = self._take(table, lights, scale, self._picked(edits, table))
+        self._shown = table
         with clock("evaluate"):
             image = self._evaluate(hand, table, scale)
         with clock("sources"):
@@ -94,10 +96,10 @@ class Polynomial:
         colours, lobes = np.zeros((0, 3)), np.zeros((0, 1, 3))
         albedo, second = np.zeros(3), np.zeros((3, 0), np.float32)
         if m >= 0:
-            layers = LAYERS[table.model[m]]
+            layers = LAYERS[hand.cut]
             assert layers is not None
             colours, lobes = coefficients(layers, table.row[m], s.bands, s.basis)
-            known = shares(int(table.model[m]), hand.table.row[m], s.bands, s.basis)
+            known = shares(hand.cut, hand.table.row[m], s.bands, s.basis)
             albedo = known.albedo(colours, averaged(lobes, hand.limits.gloss))
             if hand.behind.steps.size:
                 second = _row_by_row(*coefficients(layers, table.row[m], s.second_bands, s.basis))
@@ -143,6 +145,7 @@ class Polynomial:
             changed, last = hand.changed(table), hand.material
         others = [m for m in changed if m != last]
         material = picked if picked >= 0 else int((last, *changed, *others)[-1])
+        cut = self._cut(material, table)
         if not (
             hand is not None
             and hand.scale > scale
@@ -151,8 +154,18 @@ class Polynomial:
         ):
             self._hand = None  # its arrays make room for the new ones
         # Else it is a small one, which is there still if nobody waits for the whole one.
-        self._hand = self._freeze(material, table, lights, scale)
+        self._hand = self._freeze(material, cut, table, lights, scale)
         return self._hand
+
+    def _cut(self, material: int, table: MaterialTable) -> int:
+        """Which of LAYERS a material is to be taken in hand with, for the edit that it is in."""
+        if material < 0:
+            return material
+        hand, before, model = self._hand, self._shown, int(table.model[material])
+        if before.model[material] != model:
+            return model
+        liked = hand.cut if hand is not None and hand.material == material else -1
+        return cut_for(model, before.row[material], table.row[material], liked)
 
     def _most_seen(self) -> int:
         """The editable material that most pixels show: in hand before anything is; -1 for none."""

@@ -52,6 +52,7 @@ class Second(NamedTuple):
     inverse   (3,)              1 / albedo in hand, as it was taken; 0 where there was none
     bands, tents                elements of a curve in hand, and which they are
     position, normal, material, size   of gather samples
+    cut                         of the material in hand, one of LAYERS
     model, row                  of materials, row without the matt part
     seen, lights                which points of the lights samples see
     """
@@ -74,6 +75,7 @@ class Second(NamedTuple):
     normal: NDArray[np.float32]
     material: NDArray[np.int32]
     size: NDArray[np.float32]
+    cut: int
     model: NDArray[np.int32]
     row: NDArray[np.float32]
     seen: NDArray[np.uint64]
@@ -219,7 +221,7 @@ def _add_sent(second, y, d, k, weight, total):
             seen, wi, light = _lamp_point(second, y, lamp, k, turn, frame)
             if not seen:
                 continue
-            f = factors(second.model[m], second.row[m], wi, wo)
+            f = factors(second.cut, second.row[m], wi, wo)
             j, here, there = weights_at(f[0], second.bands, second.tents)
             for q in range(curves):
                 slot, value = constants + q * second.bands + j, wi[2] * f[1 + CONSTANTS + q]

@@ -92,7 +92,7 @@ def no_second(cloud: GatherCloud, light: Shining) -> Second:
         frozen=none(3), glow=none(2), constant=none(3), hand=none(4), share=np.zeros(0),
         inverse=np.zeros(3, np.float32), bands=1,
         tents=False, position=points.position, normal=points.normal, material=points.material,
-        size=points.size, model=np.zeros(0, np.int32), row=none(2),
+        size=points.size, cut=0, model=np.zeros(0, np.int32), row=none(2),
         seen=np.zeros((0, 0), np.uint64), lights=light,
     )  # fmt: skip
 
@@ -103,11 +103,12 @@ def second_bounce(
     asked: NDArray[np.bool_],
     table: MaterialTable,
     hand: int,
+    cut: int,
     came: Incoming,
     light: Shining,
     settings: Settings,
 ) -> Second:
-    """The tables while the material `hand` is edited, -1 for none.
+    """The tables while the material `hand`, cut as one of LAYERS, is edited; -1 for none.
 
     asked (n_g, views) bool tells which views of samples are looked up, see `second_views`.
     """
@@ -128,12 +129,12 @@ def second_bounce(
         arriving = came.later.incoming, beyond, mine, pairs, rays.sample, cloud.points.normal
         if m == hand:
             elements, basis = settings.second_bands, settings.basis
-            weights = lobe_weights(int(model), p, elements, basis, grid.direction, lattice)
+            weights = lobe_weights(cut, p, elements, basis, grid.direction, lattice)
             weights = weights.reshape(len(grid.number), 1, -1, RAYS)
             second.kind[mine], second.own[mine] = HAND, np.arange(len(mine))
             second = second._replace(
-                hand=_sent(*arriving, weights),
-                share=shares(int(model), p, settings.bands, basis).constants,
+                hand=_sent(*arriving, weights), cut=cut,
+                share=shares(cut, p, settings.bands, basis).constants,
                 inverse=_inverse(came.albedo),
                 bands=elements, tents=basis == "tents", glow=cloud.emission[mine],
                 constant=came.texture[mine, None] * irradiance[mine],

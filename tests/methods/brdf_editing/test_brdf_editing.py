@@ -113,6 +113,34 @@ def test_a_curve_under_the_hand(make: Make) -> None:
     assert off(smooth(flat * kept), smooth(true.image * kept)) > 0.08
 
 
+def test_a_brushed_grain_is_dragged_in_one_hand(make: Make) -> None:
+    """The exponent across the grain, and so the ratio of eq. 33; along it is another hand."""
+    brushed = {"type": "ashikhmin_shirley", "specular": [0.6, 0.6, 0.5], "diffuse": [0.1, 0.1, 0.2]}
+    made = corner(
+        materials={
+            "floor": {**brushed, "exponent_u": 10, "exponent_v": 60},
+            "left": {"type": "diffuse", "diffuse": [0.7, 0.1, 0.1]},
+            "back": {"type": "diffuse", "diffuse": [0.6, 0.6, 0.6]},
+            "ball": {"type": "cook_torrance"},
+        }
+    )
+    product = make(made)
+    product.relight(edit())
+    product.relight(edit(floor={"exponent_v": 50}))
+    hand = product._hand
+    edits = edit(floor={"exponent_v": 4})
+    found = product.relight(edits).image
+    assert product._hand is hand
+    true = render(apply(made, edits), samples=256, max_bounces=4)
+    kept = ~scene_edges(made)[..., None]
+    assert off(smooth(found * kept), smooth(true.image * kept)) < 0.04
+    product.relight(edit(floor={"exponent_u": 60, "exponent_v": 4}))
+    along = product._hand
+    assert along is not hand
+    product.relight(edit(floor={"exponent_u": 30, "exponent_v": 4}))
+    assert product._hand is along
+
+
 def test_a_curve_that_is_too_much_is_no_brighter_than_all_there_is(make: Make) -> None:
     """White all about and white curves, every node ten times too high: no more light than comes."""
     white = {"type": "half_angle_curve", "diffuse": [1, 1, 1], "specular": [1, 1, 1]}
