@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 from methods.errors import error_and_noise
 from methods.scenes import POINT, camera, rectangle, scene
-from numpy.typing import NDArray
+from stability.halls import (
+    GREY,
+    LAMP,
+    Editable,
+    edit,
+    floor,
+    gloss,
+    hall,
+    message,
+    metal,
+    off,
+    said,
+    smooth,
+)
 
 from engine.brdf.ashikhmin_shirley import AshikhminShirley
 from engine.brdf.blinn_phong import BlinnPhong
@@ -22,92 +34,11 @@ from engine.brdf.layers import LAYERS
 from engine.brdf.phong import Phong
 from engine.brdf.table import INDEX
 from engine.errors import EditError, EditNotSupported
-from engine.methods import prepare
-from engine.methods.base import Frame
-from engine.methods.brdf_editing import Polynomial, Settings
+from engine.methods.brdf_editing import Settings
 from engine.methods.brdf_editing.lobe_limits import bands_for, basis_error, lobe_of
 from engine.reference import render
 from engine.scene.edits import Edits, apply, parse
 from engine.scene.scene import Scene
-from engine.store import Store
-
-Make = Callable[..., Polynomial]
-GREY = {"type": "diffuse", "diffuse": [0.6] * 3}
-LAMP = {
-    "id": "lamp", "type": "area", "position": [0, 0.9, -0.3], "target": [0, -1, -0.3],
-    "up": [0, 0, 1], "width": 0.5, "height": 0.5, "intensity": [16] * 3,
-}  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def make(tmp_path_factory: pytest.TempPathFactory) -> Make:
-    """make(scene, **settings): its product, in a store of this module's own."""
-    store = Store(tmp_path_factory.mktemp("store"))
-
-    def product(of: Scene, **settings: Any) -> Polynomial:
-        chosen = Settings(**{"gather_samples": 1024, **settings})
-        return prepare(of, "brdf_editing", chosen, store=store)  # type: ignore[return-value]
-
-    return product
-
-
-def edit(**materials: Any) -> Edits:
-    return Edits(materials=materials)
-
-
-def said(frame: Frame, code: str) -> float:
-    """Size of a warning; 0 where there is none."""
-    return next((w.size for w in frame.warnings if w.code == code), 0.0)
-
-
-def message(frame: Frame, code: str) -> str:
-    return next(w.message for w in frame.warnings if w.code == code)
-
-
-def off(found: NDArray, true: NDArray) -> float:
-    return float(np.linalg.norm(found - true) / np.linalg.norm(true))
-
-
-def smooth(image: NDArray) -> NDArray:
-    """Means of 4 x 4 pixels, which hold less of the reference's noise."""
-    height, width = image.shape[:2]
-    return image.reshape(height // 4, 4, width // 4, 4, 3).mean(axis=(1, 3))
-
-
-def gloss(exponent: float, diffuse: float = 0.0) -> dict[str, Any]:
-    return {
-        "type": "blinn_phong", "diffuse": [diffuse] * 3, "specular": [0.7] * 3,
-        "exponent": exponent,
-    }  # fmt: skip
-
-
-def metal(roughness: float) -> dict[str, Any]:
-    return {"type": "ggx", "diffuse": [0] * 3, "specular": [0.7] * 3, "roughness": roughness}
-
-
-def floor(material: dict[str, Any], size: int = 32, **fields: Any) -> Scene:
-    """A floor alone, all that the picture shows."""
-    looks = camera(size, position=[0, 0.6, 1.2], target=[0, -1, 0.15], fov_y_degrees=20)
-    return scene(
-        camera=looks,
-        materials={"floor": material},
-        objects=[{**rectangle("floor", [4, 4], [0, -1, 0.5], [-90, 0, 0]), "material": "floor"}],
-        **fields,
-    )
-
-
-def hall(ground: dict[str, Any], back: dict[str, Any], lights: list[dict[str, Any]]) -> Scene:
-    """A floor, a wall behind it, and a matt ceiling."""
-    return scene(
-        camera=camera(32, position=[0, 0.3, 2.4], target=[0, -0.55, 0], fov_y_degrees=42),
-        lights=lights,
-        materials={"floor": ground, "back": back, "grey": GREY},
-        objects=[
-            {**rectangle("floor", [2, 3], [0, -1, 0.5], [-90, 0, 0]), "material": "floor"},
-            {**rectangle("back", [2, 2], [0, 0, -1]), "material": "back"},
-            {**rectangle("ceiling", [2, 3], [0, 1, 0.5], [90, 0, 0]), "material": "grey"},
-        ],
-    )
 
 
 def left_out(material: Any, bands: int, basis: Basis) -> float:
@@ -149,30 +80,30 @@ def test_the_bands_that_are_named_hold_the_budget(material: Any, basis: Basis) -
         assert 1 < found < 2.3
 
 
-def test_near_mirrors_are_said_to_be_too_sharp_for_bands(make: Make) -> None:
+def test_near_mirrors_are_said_to_be_too_sharp_for_bands(editable: Editable) -> None:
     """Of 16 tents; a point light's mirror image shows the lobe itself, with the bands named too."""
     made = floor(gloss(20), lights=[{**POINT, "position": LAMP["position"]}])
     sharp = edit(floor={"exponent": 5000})
-    exact = make(made, bands=512).relight(sharp).image
-    few = make(made, bands=16).relight(sharp)
+    exact = editable(made, bands=512).relight(sharp).image
+    few = editable(made, bands=16).relight(sharp)
     assert said(few, "too_sharp_for_bands") > 0.1
     named = int(message(few, "too_sharp_for_bands").rsplit(" ", 1)[1][:-1])
-    more = make(made, bands=named).relight(sharp)
+    more = editable(made, bands=named).relight(sharp)
     assert said(more, "too_sharp_for_bands") == 0
     assert said(few, "too_sharp_for_bands") == pytest.approx(off(few.image, exact), rel=0.2)
     assert off(few.image, exact) > 2 * off(more.image, exact)
     assert off(more.image, exact) < 0.05
-    assert said(make(made, bands=16).relight(Edits()), "too_sharp_for_bands") == 0
+    assert said(editable(made, bands=16).relight(Edits()), "too_sharp_for_bands") == 0
 
 
-def test_rays_between_which_a_lobe_falls(make: Make) -> None:
+def test_rays_between_which_a_lobe_falls(editable: Editable) -> None:
     """Noise in even light, where every pixel should be alike, against what is said of it.
 
     Found 0.4, 2.5, 35 and more than 100 % at roughness 0.3, 0.2, 0.1 and 0.05.
     """
     made, noise = floor(metal(0.3), 64, environment={"map": [1, 1, 1]}), {}
     for roughness in (0.3, 0.2, 0.1, 0.05):
-        frame = make(made, bands=256).relight(edit(floor={"roughness": roughness}))
+        frame = editable(made, bands=256).relight(edit(floor={"roughness": roughness}))
         image = frame.image[..., 0]
         noise[roughness] = float(image.std() / image.mean())
         assert image.mean() == pytest.approx(0.7, rel=0.1 if roughness > 0.05 else 0.4)
@@ -182,20 +113,20 @@ def test_rays_between_which_a_lobe_falls(make: Make) -> None:
         else:
             assert size == pytest.approx(min(1, noise[roughness]), rel=0.4)
     assert noise[0.3] < 0.01 < noise[0.2] < 0.04 < 0.3 < noise[0.1] < 1 < noise[0.05]
-    few = make(made).relight(edit(floor={"roughness": 0.1}))
+    few = editable(made).relight(edit(floor={"roughness": 0.1}))
     exponent = float(message(few, "lobe_between_rays").rsplit(" ", 1)[1][:-1])
-    found = make(made, lobe_exponent=exponent).relight(edit(floor={"roughness": 0.1}))
+    found = editable(made, lobe_exponent=exponent).relight(edit(floor={"roughness": 0.1}))
     assert said(found, "lobe_between_rays") == 0
     assert found.image.std() < 0.05 * found.image.mean()
 
 
-def test_bands_that_no_ray_fell_into(make: Make) -> None:
+def test_bands_that_no_ray_fell_into(editable: Editable) -> None:
     """They show nothing; the narrow ones by the normal are empty, so the sharpest lobe is dark.
 
     77 rays of exponent 200 expect one within the first 6 of 64 bands. A pixel in five has less
     than half of what it should at exponent 30,000, and none is black.
     """
-    product = make(floor(gloss(30_000), 64, environment={"map": [1, 1, 1]}))
+    product = editable(floor(gloss(30_000), 64, environment={"map": [1, 1, 1]}))
     image = product.relight(Edits()).image[..., 0]
     assert product._hand is not None
     empty = (product._hand.folded.steps[:, 0, 0, 1:] == 0).mean(axis=0)
@@ -208,7 +139,7 @@ def test_bands_that_no_ray_fell_into(make: Make) -> None:
     assert (wide > 0.5 * wide.mean()).all()
 
 
-def test_gloss_in_gloss_looks_matt(make: Make) -> None:
+def test_gloss_in_gloss_looks_matt(editable: Editable) -> None:
     """The bounce that is seen has its lobe, those behind it are matt: one glossy surface is right.
 
     Two of exponent 10 were found 5 % off, of 100 46 %, of 1,000 77 %, in a hall that is lit by
@@ -218,7 +149,7 @@ def test_gloss_in_gloss_looks_matt(make: Make) -> None:
     for exponent in (10, 100):
         for back in (GREY, gloss(exponent, 0.1)):
             made = hall(gloss(exponent, 0.1), back, [{**LAMP, "intensity": [4] * 3}])
-            frame = make(made, view_rays=1024, bounces=8, gather_samples=4096).relight(Edits())
+            frame = editable(made, view_rays=1024, bounces=8, gather_samples=4096).relight(Edits())
             true = render(made, samples=512, max_bounces=9).image
             key = exponent, back is GREY
             error[key] = off(smooth(frame.image), smooth(true))
@@ -244,9 +175,9 @@ def white_box(albedo: float) -> Scene:
 
 
 @pytest.mark.parametrize("bounces", [0, 1, 3, 8])
-def test_bounces_that_are_left_out(make: Make, bounces: int) -> None:
+def test_bounces_that_are_left_out(editable: Editable, bounces: int) -> None:
     """Against 1 / (1 - albedo): what is said is what is missing, as the albedo is edited."""
-    product = make(white_box(0.5), bounces=bounces)
+    product = editable(white_box(0.5), bounces=bounces)
     for albedo in (0.0, 0.3, 0.5, 0.9, 0.95):
         frame = product.relight(edit(wall={"diffuse": [albedo] * 3}))
         left = 1 / (1 - albedo) / frame.image.mean() - 1
@@ -258,32 +189,32 @@ def test_bounces_that_are_left_out(make: Make, bounces: int) -> None:
     assert "at 8, the most" in message(whole, "bounces_truncated")
 
 
-def test_the_bounces_that_are_named_are_enough_and_no_more(make: Make) -> None:
+def test_the_bounces_that_are_named_are_enough_and_no_more(editable: Editable) -> None:
     made, bright = white_box(0.2), edit(wall={"diffuse": [0.6] * 3})
-    frame = make(made, bounces=1).relight(bright)
+    frame = editable(made, bounces=1).relight(bright)
     named = int(message(frame, "bounces_truncated").rsplit(" ", 1)[1][:-1])
     for bounces, enough in ((named - 1, False), (named, True)):
-        image = make(made, bounces=bounces).relight(bright).image
+        image = editable(made, bounces=bounces).relight(bright).image
         assert (2.5 / image.mean() - 1 < 0.05) == enough
 
 
-def test_black_is_black(make: Make) -> None:
+def test_black_is_black(editable: Editable) -> None:
     black = {"type": "diffuse", "diffuse": [0] * 3}
-    product = make(hall(GREY, GREY, [POINT]))
+    product = editable(hall(GREY, GREY, [POINT]))
     image = product.relight(edit(floor=black, back=black, grey=black)).image
     np.testing.assert_array_equal(image, 0)
 
 
-def test_materials_that_reflect_more_than_they_receive(make: Make) -> None:
+def test_materials_that_reflect_more_than_they_receive(editable: Editable) -> None:
     """A sum of a few powers: brighter by a bounded factor, never without end, and said."""
     box = white_box(0.5)
-    frame = make(box).relight(
+    frame = editable(box).relight(
         edit(wall={"type": "phong", "diffuse": [1] * 3, "specular": [1] * 3, "exponent": 1})
     )
     excess = said(frame, "albedo_above_one")
     assert 0.5 < excess <= 1
     assert frame.image.mean() == pytest.approx(sum((1 + excess) ** k for k in range(5)), rel=0.1)
-    fair = make(box).relight(edit(wall={"diffuse": [1] * 3}))
+    fair = editable(box).relight(edit(wall={"diffuse": [1] * 3}))
     assert said(fair, "albedo_above_one") == 0
 
 
@@ -296,24 +227,24 @@ def test_materials_that_reflect_more_than_they_receive(make: Make) -> None:
         ({"type": "ggx", "roughness": math.inf}, "materials.floor.roughness"),
     ],
 )
-def test_numbers_that_are_none(make: Make, change: dict[str, Any], field: str) -> None:
+def test_numbers_that_are_none(editable: Editable, change: dict[str, Any], field: str) -> None:
     with pytest.raises(EditError) as error:
-        make(hall(GREY, GREY, [POINT])).relight(edit(floor=change))
+        editable(hall(GREY, GREY, [POINT])).relight(edit(floor=change))
     assert error.value.field == field
 
 
-def test_what_tents_make_of_a_lobe_is_never_negative(make: Make) -> None:
+def test_what_tents_make_of_a_lobe_is_never_negative(editable: Editable) -> None:
     """Of a near-mirror 16 tents undershoot; pixels are clamped."""
     mirror = Ggx(roughness=0.0)
     layers = LAYERS[INDEX[Ggx]]
     assert layers is not None
     assert coefficients(layers, mirror.row(), 16, "tents")[1].min() < 0
-    product = make(floor(metal(0.5), lights=[LAMP]), bands=16)
+    product = editable(floor(metal(0.5), lights=[LAMP]), bands=16)
     assert product.relight(edit(floor={"roughness": 0})).image.min() >= 0
 
 
 @pytest.mark.parametrize("change", [{"diffuse": [0.1, 0.2, 0.9]}, gloss(50, 0.1)])
-def test_an_object_of_one_pixel(make: Make, change: dict[str, Any]) -> None:
+def test_an_object_of_one_pixel(editable: Editable, change: dict[str, Any]) -> None:
     """Its edit changes that pixel alone. Four points of a ball miss its highlight, or hit it.
 
     Matt it is right; of its gloss with exponent 50 a fifth was found.
@@ -329,7 +260,7 @@ def test_an_object_of_one_pixel(make: Make, change: dict[str, Any]) -> None:
         materials={"back": GREY, "dot": GREY},
         objects=[{**rectangle("back", [6, 6], [0, 0, -1]), "material": "back"}, ball],
     )
-    product = make(made)
+    product = editable(made)
     before, after = product.relight(Edits()).image, product.relight(edit(dot=change)).image
     changed = np.abs(after - before).max(axis=2) > 1e-3 * before.mean()
     assert changed.sum() == 1
@@ -344,7 +275,7 @@ def paper(objects: int, bands: int = 64, bounces: int = 3) -> int:
     return bands * math.comb(objects + bounces, bounces)
 
 
-def test_thirty_objects(make: Make) -> None:
+def test_thirty_objects(editable: Editable) -> None:
     """What is stored and what a frame takes do not grow; the paper's tensor grows 550-fold.
 
     It has 640 numbers a pixel and colour for two objects, 349,184 for thirty.
@@ -364,7 +295,7 @@ def test_thirty_objects(make: Make) -> None:
             materials={**{name: gloss(40, 0.1) for name in names}, "back": GREY},
             objects=[*balls, {**rectangle("back", [3, 3], [0, 0, -1]), "material": "back"}],
         )
-        product = make(made)
+        product = editable(made)
         product.relight(edit(**{names[0]: {"exponent": 60}}))
         size[count], hand[count] = product.bytes, product.bytes_in_hand
     assert size[30] < 1.2 * size[2]
@@ -373,7 +304,7 @@ def test_thirty_objects(make: Make) -> None:
     assert paper(30) == 349_184
 
 
-def test_a_lamp_that_is_mirrored_sharply_shows_its_points(make: Make) -> None:
+def test_a_lamp_that_is_mirrored_sharply_shows_its_points(editable: Editable) -> None:
     """64 of them, 0.9 degrees apart as half vectors: against the reference, and what is said.
 
     Found 2 % at exponent 8,000, 17 % at 30,000, 99 % at 100,000. Points of a lamp a fifth as wide
@@ -385,7 +316,7 @@ def test_a_lamp_that_is_mirrored_sharply_shows_its_points(make: Make) -> None:
         (small, 30_000, 0, 0.04),
     ):  # fmt: skip
         made = floor(gloss(exponent), 96, lights=[lamp])
-        frame = make(made, bands=256, view_rays=16).relight(Edits())
+        frame = editable(made, bands=256, view_rays=16).relight(Edits())
         true = render(made, samples=256, max_bounces=1)
         error, _ = error_and_noise(frame.image, true.image, true.variance)
         assert low <= error < high
@@ -394,9 +325,9 @@ def test_a_lamp_that_is_mirrored_sharply_shows_its_points(make: Make) -> None:
         assert frame.image.mean() == pytest.approx(true.image.mean(), rel=0.03)
 
 
-def test_from_one_extreme_to_the_other_and_back(make: Make) -> None:
+def test_from_one_extreme_to_the_other_and_back(editable: Editable) -> None:
     """The same bits with the same material in hand; with another one what sixteen bits leave."""
-    product, here = make(hall(gloss(40, 0.3), GREY, [LAMP])), edit(floor={"exponent": 50})
+    product, here = editable(hall(gloss(40, 0.3), GREY, [LAMP])), edit(floor={"exponent": 50})
     before = product.relight(here).image
     for extreme in (
         edit(floor={"type": "ggx", "roughness": 0, "specular": [1] * 3}),
@@ -421,6 +352,8 @@ def test_from_one_extreme_to_the_other_and_back(make: Make) -> None:
         ({"type": "lafortune"}, "change others in the scene"),
     ],
 )
-def test_refusals_say_what_to_do_instead(make: Make, change: dict[str, Any], words: str) -> None:
+def test_refusals_say_what_to_do_instead(
+    editable: Editable, change: dict[str, Any], words: str
+) -> None:
     with pytest.raises(EditNotSupported, match=words):
-        make(hall(GREY, GREY, [POINT])).relight(parse({"materials": {"floor": change}}))
+        editable(hall(GREY, GREY, [POINT])).relight(parse({"materials": {"floor": change}}))

@@ -8,15 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 from methods.scenes import POINT, camera, rectangle
-from stability.test_material_edits import GREY, Make, edit, gloss, hall, make, message, off
+from stability.halls import GREY, Editable, edit, gloss, hall, message, off
 
 from engine.errors import EditError
 from engine.images import write_image
 from engine.scene.build import build
 from engine.scene.open import describe
 from engine.scene.scene import Scene
-
-__all__ = ["make"]
 
 
 def spotted(folder: Path, wall: dict[str, Any]) -> Scene:
@@ -47,11 +45,11 @@ def spotted(folder: Path, wall: dict[str, Any]) -> Scene:
     ids=lambda wall: wall["type"],
 )
 def test_textures_of_specular_reflectance_stay_in_hand(
-    make: Make, tmp_path: Path, wall: dict[str, Any]
+    editable: Editable, tmp_path: Path, wall: dict[str, Any]
 ) -> None:
     """A picture is the same whether the wall is in hand or not, and another without its texture."""
     spots = {"texture": "spots.png", "factor": [0.9, 0.8, 0.5]}
-    product = make(spotted(tmp_path, {**wall, "specular": spots}))
+    product = editable(spotted(tmp_path, {**wall, "specular": spots}))
     dimmer = {"specular": [0.5, 0.6, 0.4]}
     product.relight(edit(wall={"specular": [0.9, 0.8, 0.6]}))
     in_hand = product.relight(edit(wall=dimmer))
@@ -59,24 +57,24 @@ def test_textures_of_specular_reflectance_stay_in_hand(
     product.relight(edit(wall=dimmer, floor={"diffuse": [0.5] * 3}))
     frozen = product.relight(edit(wall=dimmer, floor={})).image
     assert off(in_hand.image, frozen) < 2e-3
-    plain = make(spotted(tmp_path, {**wall, "specular": [0.9, 0.8, 0.5]}))
+    plain = editable(spotted(tmp_path, {**wall, "specular": [0.9, 0.8, 0.5]}))
     assert off(plain.relight(edit(wall=dimmer)).image, in_hand.image) > 0.1
 
 
-def test_textures_of_roughness_are_said_to_be_left_out(make: Make, tmp_path: Path) -> None:
+def test_textures_of_roughness_are_said_to_be_left_out(editable: Editable, tmp_path: Path) -> None:
     """While their material is in hand, and not otherwise."""
     rough = {"type": "ggx", "diffuse": [0.2] * 3, "roughness": {"texture": "spots.png"}}
-    product = make(spotted(tmp_path, rough))
+    product = editable(spotted(tmp_path, rough))
     wall = product.relight(edit(wall={"specular": [0.5] * 3}))
     assert "'wall' is in hand its roughness stays" in message(wall, "textures_left_out")
     on_floor = product.relight(edit(wall={"specular": [0.5] * 3}, floor={"diffuse": [0.5] * 3}))
     assert [w for w in on_floor.warnings if w.code == "textures_left_out"] == []
     coated = {**rough, "roughness": 0.4, "specular": {"texture": "spots.png"}}
-    wall = make(spotted(tmp_path, coated)).relight(edit(wall={"specular": [0.5] * 3}))
+    wall = editable(spotted(tmp_path, coated)).relight(edit(wall={"specular": [0.5] * 3}))
     assert "what its gloss leaves to its base" in message(wall, "textures_left_out")
 
 
-def test_edits_bring_no_new_textures(make: Make) -> None:
+def test_edits_bring_no_new_textures(editable: Editable) -> None:
     with pytest.raises(EditError, match="constants only, not textures") as error:
-        make(hall(GREY, GREY, [POINT])).relight(edit(floor={"diffuse": {"texture": "new.png"}}))
+        editable(hall(GREY, GREY, [POINT])).relight(edit(floor={"diffuse": {"texture": "new.png"}}))
     assert error.value.field == "materials.floor.diffuse"
