@@ -90,7 +90,7 @@ def light_types() -> dict[str, dict[str, Any]]:
 
 def material_types() -> dict[str, dict[str, Any]]:
     """The JSON schema of every kind of material that is edited at once, by its `type`."""
-    able = [kind for kind, layers in zip(MODELS, LAYERS, strict=True) if layers is not None]
+    able = [kind for k, kind in enumerate(MODELS) if LAYERS[k] is not None]
     return {kind.model_fields["type"].default: kind.model_json_schema() for kind in able}
 
 
