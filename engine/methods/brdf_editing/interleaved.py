@@ -20,6 +20,7 @@ from engine.methods.brdf_editing.arriving import (
     bring_rest,
     is_matt_light,
 )
+from engine.methods.brdf_editing.links import BEYOND
 from engine.methods.brdf_editing.patterns import SIDE, pattern_of, room_for
 from engine.methods.brdf_editing.second import add_behind
 from engine.methods.interrupt import pieces
@@ -71,11 +72,15 @@ def shared(
 def _gather(begin, end, surface, arriving, hand, some, step, even, behind):
     surface, arriving = borrow(surface), borrow(arriving)
     cosines, degrees = arriving.patterns.cosines, even.shape[1]
-    kind, brought = arriving.second.kind, arriving.rows
+    kind, brought, lit = arriving.second.kind, arriving.rows, arriving.beyond.shape[0] > 0
     count = -(-cosines // step)
     share = np.float32(1.0 / count)
-    rays, room = room_for(count), np.zeros((count, brought.shape[1]), np.float32)
-    weight, total = np.full((3, count), share, np.float32), np.zeros(brought.shape[1], np.float32)
+    work = (
+        room_for(count),
+        np.zeros((count, brought.shape[1]), np.float32),
+        np.full((3, count), share, np.float32),
+    )
+    total = np.zeros(brought.shape[1], np.float32)
     for q in range(begin, end):
         i = some[q]
         sample, rest = arriving.sample[i], 0
@@ -83,26 +88,34 @@ def _gather(begin, end, surface, arriving, hand, some, step, even, behind):
         # These rays count alike, so that no direction need be known but of those that leave the
         # scene, or meet gloss.
         for k in range(0, cosines, step):
-            if is_matt_light(kind, sample[k]):
-                add_lanes(total, share, brought[sample[k]])
-            else:
+            y = sample[k]
+            if is_matt_light(kind, y):
+                add_lanes(total, share, brought[y])
+            elif y != BEYOND or lit:
                 rest += 1
         if rest > 0:
-            z, g = vec(surface.normal, i), vec(surface.geometric, i)
-            s, t = tangents(z)
-            _directions(arriving, i, count, step, to_local(g, s, t, z), rays)
-            apart = behind.shape[3] > 0 and surface.material[i] != hand
-            bring_rest(arriving, sample, rays, count, 0, step, (s, t, z), apart, room)
-            for r in range(count):
-                if rays.z[r] > 0.0 and not is_matt_light(kind, sample[r * step]):
-                    add_lanes(total, share, room[r])
-            if apart:
-                add_behind(
-                    arriving.second, sample, rays, count, 0, step, (s, t, z), weight, behind[i]
-                )
+            _gather_rest(surface, arriving, hand, i, step, share, work, total, behind[i])
         for n in range(degrees):
             for c in range(3):
                 even[i, n, c] = total[3 * n + c]
+
+
+@njit(fastmath={"contract", "reassoc"})
+def _gather_rest(surface, arriving, hand, i, step, share, work, total, behind):
+    """Add what comes from gloss and from beyond the scene, each ray with a share."""
+    rays, room, weight = work
+    sample, kind = arriving.sample[i], arriving.second.kind
+    z, g = vec(surface.normal, i), vec(surface.geometric, i)
+    s, t = tangents(z)
+    count = room.shape[0]
+    _directions(arriving, i, count, step, to_local(g, s, t, z), rays)
+    apart = behind.shape[2] > 0 and surface.material[i] != hand
+    bring_rest(arriving, sample, rays, count, 0, step, (s, t, z), apart, room)
+    for r in range(count):
+        if rays.z[r] > 0.0 and not is_matt_light(kind, sample[r * step]):
+            add_lanes(total, share, room[r])
+    if apart:
+        add_behind(arriving.second, sample, rays, count, 0, step, (s, t, z), weight, behind)
 
 
 @njit
