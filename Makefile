@@ -14,7 +14,7 @@ GL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri
 # A browser for the page, and a library that Mitsuba's wheels take for granted.
 TEST_PACKAGES := $(GL_PACKAGES) chromium libatomic1
 # Most of what is of the system as a whole; the other half, which takes as long, is of its parts.
-SYSTEM_TESTS := tests/measure tests/server tests/stability tests/web
+SYSTEM_TESTS := tests/measure tests/stability tests/web
 PEER_PACKAGES := libllvm19 libatomic1
 
 .PHONY: serve test lint types pytest pytest-units pytest-system test-packages bench rivals chart clean
