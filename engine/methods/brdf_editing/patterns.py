@@ -59,7 +59,7 @@ class Rays(NamedTuple):
 def patterns(settings: Settings) -> Patterns:
     """Those of the settings."""
     count, cosines = settings.view_rays, settings.cosine_count
-    local, exponent = np.zeros((SIDE * SIDE, 3, count)), round(settings.lobe_exponent)
+    local, exponent = np.zeros((SIDE * SIDE, 3, count)), settings.lobe_exponent
     for number in range(SIDE * SIDE):
         shift1, shift2 = ((0.5 + (number + 1) * p) % 1.0 for p in PLASTIC)
         for k in range(count):
