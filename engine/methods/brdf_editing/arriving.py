@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from engine.light.environment_samples import DEPTH
 from engine.methods.brdf_editing.light_seen import Shining
 from engine.methods.brdf_editing.links import BEYOND
-from engine.methods.brdf_editing.patterns import Patterns
+from engine.methods.brdf_editing.patterns import Patterns, pattern_of, rays_of
 from engine.methods.brdf_editing.second import MATT, Second, bring_gloss
-from engine.numerics.frames import to_world
+from engine.numerics.frames import tangents, to_local, to_world
 from engine.numerics.octahedron import cell as cell_of
+from engine.numerics.vec import vec
 
 LANES = 4  # numbers that a processor adds at once, at least
 
@@ -126,6 +127,17 @@ def add_lanes(out, factor, came):
     for lane in range(0, came.shape[0], LANES):
         for q in range(lane, lane + LANES):
             out[q] += times * came[q]
+
+
+@njit(inline="always")
+def aim(surface, arriving, at, link, part, parts, rays):
+    """Fill in the rays of a part of a pixel; returns how many, its frame and its local view."""
+    z = vec(surface.normal, at)
+    s, t = tangents(z)
+    wo = to_local(vec(surface.eye, at), s, t, z)
+    g = to_local(vec(surface.geometric, at), s, t, z)
+    pattern = pattern_of(link, arriving.width)
+    return rays_of(arriving.patterns, pattern, part, parts, wo, g, rays), (s, t, z), wo
 
 
 @njit

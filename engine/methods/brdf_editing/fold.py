@@ -25,15 +25,15 @@ from engine.methods.brdf_editing.arriving import (
     Surface,
     add_even,
     add_lanes,
+    aim,
     bring_rest,
     fetch,
     part_of,
 )
 from engine.methods.brdf_editing.light_seen import MOST, lamp_rays
-from engine.methods.brdf_editing.patterns import pattern_of, rays_of, room_for
+from engine.methods.brdf_editing.patterns import room_for
 from engine.methods.interrupt import pieces
 from engine.numerics.borrow import borrow
-from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import vec
 
@@ -128,19 +128,14 @@ def _fold_rays(surface, arriving, at, link, part, parts, slots, first, work, tot
     """Add what rays bring, and lamps: of a pixel's own rays to the quotients from `first` on."""
     rays, room, quotients = work
     p = surface.row[at]
-    z = vec(surface.normal, at)
-    s, t = tangents(z)
-    wo = to_local(vec(surface.eye, at), s, t, z)
-    g = to_local(vec(surface.geometric, at), s, t, z)
-    pattern = pattern_of(link, arriving.width)
     sample = arriving.sample[link]
-    count = rays_of(arriving.patterns, pattern, part, parts, wo, g, rays)
+    count, frame, wo = aim(surface, arriving, at, link, part, parts, rays)
     fetch(arriving.rows, sample, part, parts, room)
-    bring_rest(arriving, sample, rays, count, part, parts, (s, t, z), False, room)
+    bring_rest(arriving, sample, rays, count, part, parts, frame, False, room)
     _add(p, rays, count, wo, room, slots, first, quotients, total)
     for lamp in range(arriving.lights.kind.shape[0]):
         count = lamp_rays(
-            surface, arriving.lights, arriving.seen, at, lamp, parts, (s, t, z), rays, room
+            surface, arriving.lights, arriving.seen, at, lamp, parts, frame, rays, room
         )
         _add(p, rays, count, wo, room, slots, 0, quotients, total)
 

@@ -14,17 +14,17 @@ from engine.methods.brdf_editing.arriving import (
     Arriving,
     Surface,
     add_even,
+    aim,
     bring_rest,
     fetch,
     part_of,
 )
 from engine.methods.brdf_editing.fold import PIECE, Folded, to_steps
 from engine.methods.brdf_editing.light_seen import MOST, lamp_rays
-from engine.methods.brdf_editing.patterns import pattern_of, rays_of, room_for
+from engine.methods.brdf_editing.patterns import room_for
 from engine.methods.brdf_editing.second import add_behind
 from engine.methods.interrupt import pieces
 from engine.numerics.borrow import borrow
-from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import vec
 
@@ -102,15 +102,10 @@ def _reflect_rays(surface, arriving, at, link, part, parts, colour, work, behind
     rays, room, f = work
     apart = behind.shape[2] > 0
     p, model = surface.row[at], surface.model[at]
-    z = vec(surface.normal, at)
-    s, t = tangents(z)
-    wo = to_local(vec(surface.eye, at), s, t, z)
-    g = to_local(vec(surface.geometric, at), s, t, z)
-    pattern = pattern_of(link, arriving.width)
     sample = arriving.sample[link]
-    count = rays_of(arriving.patterns, pattern, part, parts, wo, g, rays)
+    count, frame, wo = aim(surface, arriving, at, link, part, parts, rays)
     fetch(arriving.rows, sample, part, parts, room)
-    bring_rest(arriving, sample, rays, count, part, parts, (s, t, z), apart, room)
+    bring_rest(arriving, sample, rays, count, part, parts, frame, apart, room)
     evaluate_along(model, p, rays.x, rays.y, rays.z, count, wo, f)
     for q in range(count):
         weight = rays.weight[q]
@@ -122,10 +117,10 @@ def _reflect_rays(surface, arriving, at, link, part, parts, colour, work, behind
                 for c in range(3):
                     out[n, c] += f[c, q] * room[q, 3 * n + c]
     if apart:
-        add_behind(arriving.second, sample, rays, count, part, parts, (s, t, z), f, behind)
+        add_behind(arriving.second, sample, rays, count, part, parts, frame, f, behind)
     for lamp in range(arriving.lights.kind.shape[0]):
         count = lamp_rays(
-            surface, arriving.lights, arriving.seen, at, lamp, parts, (s, t, z), rays, room
+            surface, arriving.lights, arriving.seen, at, lamp, parts, frame, rays, room
         )
         evaluate_along(model, p, rays.x, rays.y, rays.z, count, wo, f)
         for q in range(count):

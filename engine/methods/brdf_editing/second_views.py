@@ -9,14 +9,13 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.methods.brdf_editing.arriving import Arriving, Surface, part_of
+from engine.methods.brdf_editing.arriving import Arriving, Surface, aim, part_of
 from engine.methods.brdf_editing.links import BEYOND
-from engine.methods.brdf_editing.patterns import pattern_of, rays_of, room_for
+from engine.methods.brdf_editing.patterns import room_for
 from engine.methods.brdf_editing.second import view_along
 from engine.numerics.borrow import borrow
-from engine.numerics.frames import tangents, to_local, to_world
+from engine.numerics.frames import to_world
 from engine.numerics.parallel import for_ranges
-from engine.numerics.vec import vec
 
 
 def views_asked(
@@ -47,13 +46,10 @@ def _mark(begin, end, surface, arriving, pixels, out):
 def _mark_part(surface, arriving, at, link, part, parts, rays, out):
     if surface.material[at] < 0:
         return
-    z = vec(surface.normal, at)
-    s, t = tangents(z)
-    wo = to_local(vec(surface.eye, at), s, t, z)
-    g = to_local(vec(surface.geometric, at), s, t, z)
-    pattern, sample = pattern_of(link, arriving.width), arriving.sample[link]
-    for q in range(rays_of(arriving.patterns, pattern, part, parts, wo, g, rays)):
+    sample = arriving.sample[link]
+    count, frame, _ = aim(surface, arriving, at, link, part, parts, rays)
+    for q in range(count):
         k = part + q * parts
         if rays.weight[q] > 0.0 and sample[k] != BEYOND:
-            d = to_world((rays.x[q], rays.y[q], rays.z[q]), s, t, z)
+            d = to_world((rays.x[q], rays.y[q], rays.z[q]), frame[0], frame[1], frame[2])
             out[sample[k], view_along(arriving.second, sample[k], d, k)] = True
