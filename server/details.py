@@ -14,7 +14,7 @@ from engine.brdf.base import Material
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.layers import LAYERS
 from engine.brdf.published import DARK, METALS, PLASTICS, PUBLISHED
-from engine.brdf.table import MODELS
+from engine.brdf.table import INDEX, MODELS
 from engine.errors import NotFound
 from engine.light.far_disk import FarDisk
 from engine.light.maps import BUILT_IN
@@ -90,7 +90,7 @@ def light_types() -> dict[str, dict[str, Any]]:
 
 def material_types() -> dict[str, dict[str, Any]]:
     """The JSON schema of every kind of material that is edited at once, by its `type`."""
-    able = [kind for k, kind in enumerate(MODELS) if LAYERS[k] is not None]
+    able = [kind for kind in MODELS if LAYERS[INDEX[kind]] is not None]
     return {kind.model_fields["type"].default: kind.model_json_schema() for kind in able}
 
 

@@ -17,8 +17,8 @@ def evaluate(
 ) -> NDArray[np.float64]:
     """BRDF in sr⁻¹, without the cosine: (n, 3).
 
-    model () or (n,) index into MODELS; rows (ROW,) or (n, ROW); wi, wo (3,) or (n, 3), unit length,
-    local (z the normal), leaving the surface. Lengths of one are repeated.
+    model () or (n,) index into MODULES; rows (ROW,) or (n, ROW); wi, wo (3,) or (n, 3), unit
+    length, local (z the normal), leaving the surface. Lengths of one are repeated.
     """
     models, parameters, a, b = broadcast(model, rows, wi, wo)
     out = np.zeros((len(models), 3))
@@ -53,7 +53,7 @@ def broadcast(
     parameters = np.atleast_2d(np.asarray(rows, np.float32))
     first = np.atleast_2d(np.asarray(a, np.float64))
     second = np.atleast_2d(np.asarray(b, np.float64))
-    last = len(table.MODELS) - 1
+    last = len(table.MODULES) - 1
     if models.size and not 0 <= models.min() <= models.max() <= last:
         raise ValueError(f"a model index lies outside 0 to {last}")
     n = np.broadcast_shapes(models.shape, *[(len(x),) for x in (parameters, first, second)])[0]

@@ -38,7 +38,7 @@ from engine.brdf import (
 )
 from engine.brdf.base import DIFFUSE, EXTRA, ROUGHNESS, SPECULAR
 from engine.brdf.fresnel import f90
-from engine.brdf.table import MODELS
+from engine.brdf.table import MODULES
 from engine.numerics.dispatch import along, by_index, formula
 from engine.numerics.frames import tangents, to_world
 from engine.numerics.vec import dot, reflect
@@ -219,7 +219,7 @@ _BRUSHED = (
 )
 
 LAYERS: tuple[Layers | None, ...] = (
-    *(_LAYERS.get(module) for module in MODELS.values()),
+    *(_LAYERS.get(module) for module in MODULES),
     *_BRUSHED,
 )
 """Ways to cut models, the first of each by the index of the model; None where there is none."""
@@ -234,7 +234,7 @@ def cut_for(
     """
     ways = [model]
     if LAYERS[model] is _LAYERS[ashikhmin_shirley]:
-        ways += range(len(MODELS), len(LAYERS))
+        ways += range(len(MODULES), len(LAYERS))
     for cut in sorted(ways, key=lambda cut: cut != liked):
         layers = LAYERS[cut]
         if layers is not None and layers.covers(before, row):

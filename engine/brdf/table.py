@@ -1,4 +1,8 @@
-"""The table of BRDF models: a new model is one new file and one line in MODELS."""
+"""The table of BRDF models: a new model is one new file and one line in MODELS.
+
+MODELS says which module computes a description. Two descriptions of one formula share a module, so
+that it is compiled once: kernels choose among MODULES, and INDEX is a description's place there.
+"""
 
 from __future__ import annotations
 
@@ -25,6 +29,7 @@ from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
 from engine.brdf.half_angle_curve import HalfAngleCurve
 from engine.brdf.lafortune import Lafortune
+from engine.brdf.lewis import Lewis
 from engine.brdf.phong import Phong
 from engine.numerics.dispatch import along, by_index
 
@@ -37,6 +42,7 @@ MODELS: dict[type[Material], ModuleType] = {
     Lafortune: lafortune,
     CookTorrance: cook_torrance,
     HalfAngleCurve: half_angle_curve,
+    Lewis: phong,
 }
 
 AnyMaterial = Annotated[
@@ -47,13 +53,15 @@ AnyMaterial = Annotated[
     | AshikhminShirley
     | Lafortune
     | CookTorrance
-    | HalfAngleCurve,
+    | HalfAngleCurve
+    | Lewis,
     Field(discriminator="type"),
 ]
 
-INDEX = {description: index for index, description in enumerate(MODELS)}
+MODULES = tuple(dict.fromkeys(MODELS.values()))
+INDEX = {description: MODULES.index(module) for description, module in MODELS.items()}
 
-evaluate = by_index([m.evaluate for m in MODELS.values()], 3)
-evaluate_along = by_index([along(m.evaluate) for m in MODELS.values()], 7)
-sample = by_index([m.sample for m in MODELS.values()], 3)
-pdf = by_index([m.pdf for m in MODELS.values()], 3)
+evaluate = by_index([m.evaluate for m in MODULES], 3)
+evaluate_along = by_index([along(m.evaluate) for m in MODULES], 7)
+sample = by_index([m.sample for m in MODULES], 3)
+pdf = by_index([m.pdf for m in MODULES], 3)

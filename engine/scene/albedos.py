@@ -14,6 +14,7 @@ from engine.brdf.cook_torrance import CookTorrance
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
 from engine.brdf.half_angle_curve import HalfAngleCurve
+from engine.brdf.lewis import Lewis
 from engine.brdf.phong import Phong
 from engine.diagnosis import Diagnosis
 from engine.scene.scene import MaterialTable
@@ -29,7 +30,7 @@ def albedo_diagnoses(
         # and normalised lobes over a base whose colours add up to no more than 1.
         if isinstance(material, Diffuse | Ggx | AshikhminShirley | CookTorrance | HalfAngleCurve):
             continue
-        if isinstance(material, Phong | BlinnPhong) and (
+        if isinstance(material, Phong | Lewis | BlinnPhong) and (
             np.max(np.add(material.diffuse, material.specular)) <= 1.0 + 1e-6
         ):
             continue

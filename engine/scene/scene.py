@@ -42,7 +42,7 @@ class Geometry(NamedTuple):
 class MaterialTable(NamedTuple):
     """All materials; a kernel argument as it is.
 
-    model     (m,) int32          index into `engine.brdf.table.MODELS`
+    model     (m,) int32          index into `engine.brdf.table.MODULES`
     row       (m, ROW) float32    parameters, see `engine.brdf.base`
     emission  (m, 3) float32      radiance
     maps      (m, 4) int32        textures that multiply diffuse, specular, roughness, and the one

@@ -20,8 +20,9 @@ from engine.brdf.cook_torrance import CookTorrance
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
 from engine.brdf.half_angle_curve import HalfAngleCurve
+from engine.brdf.lewis import Lewis
 from engine.brdf.phong import Phong
-from engine.brdf.table import INDEX, MODELS
+from engine.brdf.table import INDEX, MODELS, MODULES
 
 WHITE = (1.0, 1.0, 1.0)
 FACETS = pytest.mark.parametrize("model", [Ggx, CookTorrance])
@@ -46,6 +47,14 @@ def test_phong_lobe_at_an_angle() -> None:
     expected = (n + 2) / (n + 1) * np.cos(np.radians(angle)) * (n + 1) / (n + 2)
     reflected = albedo(*model_and_row(material), direction(angle))[0, 0]
     assert reflected == pytest.approx(expected, abs=1e-3)
+
+
+def test_one_formula_under_two_names_is_compiled_once() -> None:
+    """Lewis's plausible Phong: the same row for the same kernels."""
+    fields = {"diffuse": (0.2, 0.3, 0.4), "specular": (0.5, 0.4, 0.3), "exponent": 12.0}
+    np.testing.assert_array_equal(Lewis(**fields).row(), Phong(**fields).row())
+    assert INDEX[Lewis] == INDEX[Phong]
+    assert len(MODULES) == len(set(MODULES)) == len(set(MODELS.values())) < len(MODELS)
 
 
 def test_blinn_phong_exponent_zero_is_lambert() -> None:
@@ -157,8 +166,8 @@ def test_white_plastic_is_not_told_of(model: type[Ggx] | type[CookTorrance]) -> 
 
 def test_arrays_say_what_does_not_fit() -> None:
     row = Diffuse().row()
-    with pytest.raises(ValueError, match=f"outside 0 to {len(MODELS) - 1}"):
-        evaluate(len(MODELS), row, direction(0), direction(0))
+    with pytest.raises(ValueError, match=f"outside 0 to {len(MODULES) - 1}"):
+        evaluate(len(MODULES), row, direction(0), direction(0))
     with pytest.raises(ValueError, match="shape mismatch"):
         evaluate(0, row, np.zeros((2, 3)), np.zeros((3, 3)))
     assert evaluate(0, row, np.zeros((0, 3)), direction(0)).shape == (0, 3)

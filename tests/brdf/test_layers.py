@@ -120,7 +120,7 @@ def test_either_exponent_of_a_brushed_material_is_edited_alone(
     model = table.INDEX[AshikhminShirley]
     now = BRUSHED.model_copy(update=edit)
     way = cut_for(model, BRUSHED.row(), now.row())
-    ways = {"both in ratio": model, "n_u": len(table.MODELS), "n_v": len(table.MODELS) + 1}
+    ways = {"both in ratio": model, "n_u": len(table.MODULES), "n_v": len(table.MODULES) + 1}
     assert way == ways[kept]
     assert off(*both(now, BRUSHED, 256, "tents", way)) < 0.01
     layers = LAYERS[way]
@@ -135,7 +135,7 @@ def test_what_an_edit_of_a_brushed_material_is_taken_in_hand_with() -> None:
     model, before = table.INDEX[AshikhminShirley], BRUSHED.row()
     colour = BRUSHED.model_copy(update={"diffuse": (0.1, 0.2, 0.3)}).row()
     both_exponents = BRUSHED.model_copy(update={"exponent_u": 30, "exponent_v": 30}).row()
-    across = len(table.MODELS)
+    across = len(table.MODULES)
     assert cut_for(model, before, colour) == model
     assert cut_for(model, before, colour, across) == across
     assert cut_for(model, before, both_exponents, across) == model

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from engine.brdf.table import MODELS
+from engine.brdf.table import MODULES
 from engine.light.table import LIGHTS
 
 BRDF_TABLE, CHOSEN_LIGHT = "brdf/table.glsl", "light/chosen.glsl"
@@ -17,7 +17,7 @@ BRDF_TABLE, CHOSEN_LIGHT = "brdf/table.glsl", "light/chosen.glsl"
 
 def brdf_table() -> str:
     """`evaluate(model, p, wi, wo)` for all models."""
-    names = [file_name(module) for module in MODELS.values()]
+    names = [file_name(module) for module in MODULES]
     lines = [f'#include "brdf/{name}.glsl"' for name in names]
     lines += ["vec3 evaluate(int model, float p[BRDF_ROW], vec3 wi, vec3 wo)", "{"]
     for index, name in enumerate(names):

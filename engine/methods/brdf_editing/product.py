@@ -189,7 +189,7 @@ class Polynomial:
             if changed and LAYERS[table.model[m]] is None:
                 raise EditNotSupported(
                     f"{NAME} cannot edit materials of this type: it can those of types diffuse, "
-                    "phong, blinn_phong, cook_torrance, ggx, ashikhmin_shirley and "
+                    "phong, lewis, blinn_phong, cook_torrance, ggx, ashikhmin_shirley and "
                     "half_angle_curve; change others in the scene",
                     field=f"materials.{name}",
                 )

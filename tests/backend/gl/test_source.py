@@ -6,7 +6,7 @@ import pytest
 
 from engine.backend.gl.context import Device
 from engine.backend.gl.source import load
-from engine.backend.gl.tables import MODELS, brdf_table, chosen_light, file_name
+from engine.backend.gl.tables import MODULES, brdf_table, chosen_light, file_name
 from engine.errors import BackendError
 from engine.light.table import LIGHTS
 from engine.resources import resource
@@ -62,10 +62,10 @@ def test_an_error_of_the_compiler_names_file_and_line(gpu: Device) -> None:
 
 
 def test_every_model_and_light_has_a_shader_of_its_name() -> None:
-    for folder, modules in (("brdf", MODELS.values()), ("light", LIGHTS.values())):
+    for folder, modules in (("brdf", MODULES), ("light", LIGHTS.values())):
         for module in modules:
             name = file_name(module)
             text = (resource("shaders") / folder / f"{name}.glsl").read_text()
             assert f" {'evaluate' if folder == 'brdf' else 'illuminate'}_{name}(" in text
-    assert all(f"model == {k}" in brdf_table() for k in range(len(MODELS)))
+    assert all(f"model == {k}" in brdf_table() for k in range(len(MODULES)))
     assert "#define illuminate illuminate_spot" in chosen_light(1).splitlines()
