@@ -20,6 +20,7 @@ from engine.brdf import (
     half_angle_curve,
     lafortune,
     phong,
+    ward,
 )
 from engine.brdf.ashikhmin_shirley import AshikhminShirley
 from engine.brdf.base import Material
@@ -31,6 +32,7 @@ from engine.brdf.half_angle_curve import HalfAngleCurve
 from engine.brdf.lafortune import Lafortune
 from engine.brdf.lewis import Lewis
 from engine.brdf.phong import Phong
+from engine.brdf.ward import Ward
 from engine.numerics.dispatch import along, by_index
 
 MODELS: dict[type[Material], ModuleType] = {
@@ -43,6 +45,7 @@ MODELS: dict[type[Material], ModuleType] = {
     CookTorrance: cook_torrance,
     HalfAngleCurve: half_angle_curve,
     Lewis: phong,
+    Ward: ward,
 }
 
 AnyMaterial = Annotated[
@@ -54,7 +57,8 @@ AnyMaterial = Annotated[
     | Lafortune
     | CookTorrance
     | HalfAngleCurve
-    | Lewis,
+    | Lewis
+    | Ward,
     Field(discriminator="type"),
 ]
 

@@ -9,22 +9,14 @@ Everything here works with whatever variant of Mitsuba is set.
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Any
 
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
-from engine.brdf.ashikhmin_shirley import AshikhminShirley
-from engine.brdf.base import Material
-from engine.brdf.blinn_phong import BlinnPhong
-from engine.brdf.cook_torrance import MIN_SLOPE, CookTorrance
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
-from engine.brdf.half_angle_curve import HalfAngleCurve
-from engine.brdf.lafortune import Lafortune
 from engine.errors import InputError
 from engine.light.area import AreaLight
 from engine.light.base import Light
@@ -35,16 +27,10 @@ from engine.light.point import PointLight
 from engine.light.projector import ProjectorLight
 from engine.light.sphere import SphereLight
 from engine.light.spot import SpotLight
-from engine.scene.description import TEXTURE_SLOTS
+from engine.measure.mitsuba_bsdf import Node, mitsuba_bsdf, rgb
 from engine.scene.scene import Scene
-from engine.scene.surface import NORMAL_MAP
 
-Node = dict[str, Any]
-"""What `mitsuba.load_dict` takes."""
-
-WIDE = 0.4  # GGX's α from which a cosine lobe counts as matt, since facets would lose its light
 CUTS = 4  # of a pixel of an environment map, along both sides
-DIELECTRIC = 0.2  # reflectance at normal incidence up to which a gloss counts as a clear coat
 
 
 def mitsuba_scene(
@@ -63,9 +49,9 @@ def mitsuba_scene(
         path = folder / f"{index}.ply"
         if not _write_ply(path, scene, index):
             continue
-        mesh = {"type": "ply", "filename": str(path), "bsdf": _bsdf(scene, index, material)}
+        mesh = {"type": "ply", "filename": str(path), "bsdf": mitsuba_bsdf(scene, index, material)}
         if any(material.emission):
-            mesh["emitter"] = {"type": "area", "radiance": _rgb(material.emission)}
+            mesh["emitter"] = {"type": "area", "radiance": rgb(material.emission)}
         document[f"mesh{index}"] = mesh
     for index, light in enumerate(scene.lights):
         if light.enabled:
@@ -91,10 +77,6 @@ def differences(scene: Scene) -> list[str]:
         if light.enabled and light.has_extent:
             found.append(f"the lamp {light.id!r} is solid")
     return found
-
-
-def _rgb(values: Any) -> Node:
-    return {"type": "rgb", "value": [float(v) for v in values]}
 
 
 def _sensor(scene: Scene) -> Node:
@@ -138,115 +120,33 @@ def _write_ply(path: Path, scene: Scene, material: int) -> bool:
     return True
 
 
-def _bsdf(scene: Scene, index: int, material: Material) -> Node:
-    """Diffuse and white metal are ours exactly; gloss is facets of the same width over the base."""
-    row = material.row()
-    facets = "beckmann" if isinstance(material, CookTorrance) else "ggx"
-    base = _texture(scene, index, row[:3])
-    specular = row[3:6]
-    if isinstance(material, Diffuse) or not specular.any():
-        inner: Node = {"type": "diffuse", "reflectance": base}
-    elif not isinstance(material, Ggx | CookTorrance) and _alpha(material) > WIDE:
-        inner = {"type": "diffuse", "reflectance": _texture(scene, index, row[:3], specular)}
-    elif specular.max() > DIELECTRIC:
-        # Like a metal; a base below it is lost.
-        inner = {
-            "type": "roughconductor",
-            "material": "none",
-            "distribution": facets,
-            "alpha": _alpha(material),
-            "specular_reflectance": _rgb(specular),
-        }
-    else:
-        root = float(np.sqrt(specular.mean()))
-        inner = {
-            "type": "roughplastic",
-            "distribution": facets,
-            "alpha": _alpha(material),
-            "int_ior": (1 + root) / (1 - root),
-            "diffuse_reflectance": base,
-        }
-    q = scene.material_table.maps[index, NORMAL_MAP]
-    if q >= 0:
-        bumps = {"type": "bitmap", "bitmap": mi.Bitmap(_image(scene, q)), "raw": True}
-        # As light meets the bent normal and nothing else.
-        plain = {"use_shadowing_function": False, "flip_invalid_normals": False}
-        inner = {"type": "normalmap", "normalmap": bumps, "bsdf": inner, **plain}
-    return {"type": "twosided", "bsdf": inner}
-
-
-def _alpha(material: Any) -> float:
-    """α of the facets; GGX's of a cosine power by Walter et al. 2007, §5.2."""
-    if isinstance(material, Ggx):
-        return float(max(material.roughness**2, 0.002))
-    if isinstance(material, CookTorrance):
-        return float(max(material.roughness, MIN_SLOPE))
-    if isinstance(material, AshikhminShirley):
-        exponent = math.sqrt((material.exponent_u + 1) * (material.exponent_v + 1)) - 1
-    elif isinstance(material, BlinnPhong | HalfAngleCurve):
-        exponent = material.exponent
-    else:
-        # The lobe of a mirror direction is four times as sharp as that of a half vector.
-        mirrored = _sharpest(material) if isinstance(material, Lafortune) else material.exponent
-        exponent = 4 * mirrored
-    return float(np.sqrt(2 / (exponent + 2)))
-
-
-def _sharpest(material: Lafortune) -> float:
-    """Exponent of the lobe that is a highlight, its channels' mean."""
-    return max(sum(lobe.exponent) / 3 for lobe in material.lobes)
-
-
-def _texture(
-    scene: Scene, index: int, constant: NDArray[np.float32], more: NDArray[np.float32] | float = 0.0
-) -> Node:
-    """The diffuse reflectance of a material, a colour or an image times that colour, and more."""
-    table = scene.material_table
-    q = table.maps[index, TEXTURE_SLOTS.index("diffuse")]
-    if q < 0:
-        return _rgb(constant + more)
-    image = _image(scene, q) * constant + more
-    return {
-        "type": "bitmap",
-        "bitmap": mi.Bitmap(np.ascontiguousarray(image, np.float32)),
-        "raw": True,
-    }
-
-
-def _image(scene: Scene, q: int) -> NDArray[np.float32]:
-    """Texture q as (height, width, 3)."""
-    first, width, height = scene.material_table.texture[q]
-    texels = scene.material_table.texels[first : first + width * height]
-    return np.ascontiguousarray(texels.reshape(height, width, 3), np.float32)
-
-
 def _emitter(light: Light, lamp_albedo: Any) -> Node:
     if isinstance(light, PointLight):
         return {
             "type": "point",
             "position": list(light.position),
-            "intensity": _rgb(light.intensity),
+            "intensity": rgb(light.intensity),
         }
     if isinstance(light, DistantLight):
         return {
             "type": "directional",
             "direction": list(light.direction),
-            "irradiance": _rgb(light.intensity),
+            "irradiance": rgb(light.intensity),
         }
     if isinstance(light, SpotLight):
         inner = max(light.cone_degrees - light.penumbra_degrees, 0.0)
         return {
             "type": "spot",
             "to_world": _look_at(light.position, light.target, (0.1, 0.2, 1)),
-            "intensity": _rgb(light.intensity),
+            "intensity": rgb(light.intensity),
             "cutoff_angle": light.cone_degrees,
             "beam_width": min(inner, light.cone_degrees * (1 - 1e-5)),
         }
     if isinstance(light, ProjectorLight):
         return _projector(light)
     lamp = {
-        "emitter": {"type": "area", "radiance": _rgb(light.intensity)},
-        "bsdf": {"type": "diffuse", "reflectance": _rgb(lamp_albedo)},
+        "emitter": {"type": "area", "radiance": rgb(light.intensity)},
+        "bsdf": {"type": "diffuse", "reflectance": rgb(lamp_albedo)},
     }
     if isinstance(light, SphereLight):
         centre = list(light.position)
@@ -271,7 +171,7 @@ def _environment(environment: Environment) -> Node:
         raise InputError("Mitsuba gets no area lights in it, and shows it", field="environment")
     radiance = environment.table.radiance
     if radiance.shape[:2] == (1, 1):
-        return {"type": "constant", "radiance": _rgb(radiance[0, 0])}
+        return {"type": "constant", "radiance": rgb(radiance[0, 0])}
     image = radiance.repeat(CUTS, axis=0).repeat(CUTS, axis=1)
     image = np.roll(image, image.shape[1] // 2, axis=1)
     turn = mi.ScalarTransform4f().rotate([0, 1, 0], environment.description.rotation_degrees)

@@ -16,6 +16,7 @@ from engine.brdf.ggx import Ggx
 from engine.brdf.half_angle_curve import HalfAngleCurve
 from engine.brdf.lewis import Lewis
 from engine.brdf.phong import Phong
+from engine.brdf.ward import Ward
 from engine.diagnosis import Diagnosis
 from engine.scene.scene import MaterialTable
 
@@ -27,10 +28,10 @@ def albedo_diagnoses(
     found = []
     for m, (name, material) in enumerate(zip(names, materials, strict=True)):
         # Measuring takes a while, so leave out what is never told of: models that conserve energy,
-        # and normalised lobes over a base whose colours add up to no more than 1.
+        # and lobes that reflect no more than their colour, where that and the base's add up to 1.
         if isinstance(material, Diffuse | Ggx | AshikhminShirley | CookTorrance | HalfAngleCurve):
             continue
-        if isinstance(material, Phong | Lewis | BlinnPhong) and (
+        if isinstance(material, Phong | Lewis | BlinnPhong | Ward) and (
             np.max(np.add(material.diffuse, material.specular)) <= 1.0 + 1e-6
         ):
             continue

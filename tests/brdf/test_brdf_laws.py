@@ -18,6 +18,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from engine.brdf import AnyMaterial, Material, albedo, evaluate, pdf, sample
 from engine.brdf.table import INDEX, MODELS
+from engine.brdf.ward import Ward
 
 ALL = [*EXTREMES, *LOBES]
 LOBE: dict[str, object] = {"xy": [-1, -1, -1], "z": [1, 1, 1], "exponent": [100, 100, 100]}
@@ -87,7 +88,9 @@ def test_energy(material: Material) -> None:
     most = min(1.0, sum(max(getattr(material, name)) for name in colours(type(material))))
     if isinstance(material, WITH_FRESNEL):
         most = 1.0
-    wo = np.stack([direction(angle) for angle in (0, 20, 40, 60, 75, 85, 89.9)])
+    # Ward's formula breaks the law beyond 89.4 degrees; `test_ward` has the figures.
+    last = 89.4 if isinstance(material, Ward) else 89.9
+    wo = np.stack([direction(angle) for angle in (0, 20, 40, 60, 75, 85, last)])
     reflected = albedo(model, row, wo)
     assert reflected.max() <= most + 5e-3
     assert reflected.min() >= 0
