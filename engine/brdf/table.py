@@ -20,6 +20,7 @@ from engine.brdf import (
     half_angle_curve,
     lafortune,
     phong,
+    poulin_fournier,
     ward,
 )
 from engine.brdf.ashikhmin_shirley import AshikhminShirley
@@ -32,6 +33,7 @@ from engine.brdf.half_angle_curve import HalfAngleCurve
 from engine.brdf.lafortune import Lafortune
 from engine.brdf.lewis import Lewis
 from engine.brdf.phong import Phong
+from engine.brdf.poulin_fournier import PoulinFournier
 from engine.brdf.ward import Ward
 from engine.numerics.dispatch import along, by_index
 
@@ -46,6 +48,7 @@ MODELS: dict[type[Material], ModuleType] = {
     HalfAngleCurve: half_angle_curve,
     Lewis: phong,
     Ward: ward,
+    PoulinFournier: poulin_fournier,
 }
 
 AnyMaterial = Annotated[
@@ -58,7 +61,8 @@ AnyMaterial = Annotated[
     | CookTorrance
     | HalfAngleCurve
     | Lewis
-    | Ward,
+    | Ward
+    | PoulinFournier,
     Field(discriminator="type"),
 ]
 

@@ -13,13 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.brdf.ashikhmin_shirley import AshikhminShirley
-from engine.brdf.base import Material
+from engine.brdf.base import EXTRA, Material
 from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.cook_torrance import MIN_SLOPE, CookTorrance
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
 from engine.brdf.half_angle_curve import HalfAngleCurve
 from engine.brdf.lafortune import Lafortune
+from engine.brdf.poulin_fournier import PoulinFournier
 from engine.brdf.ward import MIN_ALPHA, Ward
 from engine.scene.description import TEXTURE_SLOTS
 from engine.scene.scene import Scene
@@ -83,6 +84,8 @@ def _alpha(material: Any) -> float:
     if isinstance(material, Ward):
         widths = max(material.roughness, MIN_ALPHA), max(material.roughness_v, MIN_ALPHA)
         return math.sqrt(widths[0] * widths[1])
+    if isinstance(material, PoulinFournier):
+        return _of_cylinders(material)
     if isinstance(material, AshikhminShirley):
         exponent = math.sqrt((material.exponent_u + 1) * (material.exponent_v + 1)) - 1
     elif isinstance(material, BlinnPhong | HalfAngleCurve):
@@ -92,6 +95,17 @@ def _alpha(material: Any) -> float:
         mirrored = _sharpest(material) if isinstance(material, Lafortune) else material.exponent
         exponent = 4 * mirrored
     return float(np.sqrt(2 / (exponent + 2)))
+
+
+def _of_cylinders(material: PoulinFournier) -> float:
+    """Between that along the cylinders, a facet's, and that across, with the lean of the facets."""
+    along = 2 / (material.exponent + 2)
+    edge, floor = (float(x) for x in material.row()[EXTRA : EXTRA + 2])
+    # Lean θ over the width of the surface: ∫ θ² cos θ dθ of the cylinder, and none of the floor.
+    edge = abs(edge)
+    lean = 2 * ((edge**2 - 2) * math.sin(edge) + 2 * edge * math.cos(edge))
+    across = along + 2 * lean / (floor + 2 * math.sin(edge))
+    return float((along * across) ** 0.25)
 
 
 def _sharpest(material: Lafortune) -> float:
