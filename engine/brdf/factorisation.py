@@ -50,7 +50,7 @@ def factor_parts(
     exact but for look-ups; gloss has `terms`, for the material's own specular reflectance.
 
     f = diffuse · base + gloss, of every model. Where a model is linear in its specular reflectance
-    too (Phong, Blinn-Phong, Lafortune), a texture may scale the view maps of the gloss as well.
+    too, see `gloss_is_linear`, a texture may scale the view maps of the gloss as well.
     """
     model, row = table.INDEX[type(material)], material.row()
     gloss, white = row.copy(), row.copy()
