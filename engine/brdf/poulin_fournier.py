@@ -21,7 +21,7 @@ interval than where (n·h)^e is above e⁻⁹ of its peak: 3e-5 of the lobe is l
 
 Reciprocal, and no more than ρ_d + ρ_s is reflected. Light that goes on from one facet to another is
 lost: under even light, white half cylinders that touch keep 82 % of it where they are matt and 44 %
-where they are gloss of exponent 50, grooves 64 % and 41 %. A level surface keeps 52 % of such gloss.
+where they are gloss of exponent 50, grooves 64 % and 41 %. Level, such gloss keeps 52 %.
 """
 
 from __future__ import annotations
