@@ -36,6 +36,7 @@ ORDER: list[set[str]] = [
 
 # Third-party packages and the only files or folders that may import them.
 ROOMS: dict[str, tuple[str, ...]] = {
+    "colour": ("engine/brdf/acquisition/spectrum.py",),
     "embreex": ("engine/scene/rays.py",),
     "trimesh": ("engine/scene/",),
     "moderngl": ("engine/backend/gl/",),
