@@ -8,10 +8,10 @@ Every sample stands for its reverse too, and for its mirror image where the BRDF
 query is taken for the same one of the two, which makes the function reciprocal to the last bit.
 Samples that contradict their reverses are made to agree first (`reciprocity`).
 
-How well it foretells one sample of three goniometer files (a medium-gloss paint, a spray paint, a
-metallic car paint; 1,439 samples each) from all others, before `balanced`: the relative error of
-the luminance, as the mean over the files of the median over all samples, and of the mean over
-those brighter than four times the median:
+How well it foretells one sample of three goniometer files from all others, without `thinned` and
+`balanced`. The files are a medium-gloss paint, a spray paint and a metallic car paint of 1,439
+samples each; the figures are relative errors of the luminance, means over the files of the median
+over all samples and of the mean over those brighter than four times the median:
 
     coordinates             fit                 all      highlights
     directions, raw         linear, of logs     11.9 %   12.9 %

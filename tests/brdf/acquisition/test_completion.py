@@ -102,9 +102,10 @@ def test_noise_is_smoothed() -> None:
     assert np.mean(relative(function.samples.rgb, true)) > 0.15
 
 
-def test_nothing_steps() -> None:
+@pytest.mark.parametrize("count", [3, 5, 30, 400])
+def test_nothing_steps(count: int) -> None:
     """Along a curve of directions a change is as small as the way, though samples are random."""
-    samples = replace(few(400), rgb=0.1 + np.random.default_rng(1).random((400, 3)))
+    samples = few(count, rgb=0.1 + np.random.default_rng(1).random((count, 3)))
     for isotropic in (True, False):
         function = complete(samples, isotropic)
         changes = []
@@ -133,6 +134,14 @@ def test_many_samples_of_one_pair(isotropic: bool) -> None:
         Samples("one", np.tile(one.wi, (40, 1)), np.tile(one.wo, (40, 1)), rgb), isotropic
     )
     np.testing.assert_allclose(value, np.tile(rgb.mean(axis=0), (len(value), 1)), rtol=0.02)
+
+
+@isotropic_or_not
+def test_at_a_sample_that_is_its_own_reverse(isotropic: bool) -> None:
+    """Both stand at the same place, and so does the query."""
+    up = np.array([[0, 0, 1.0]])
+    function = complete(Samples("up", up, up, np.full((1, 3), 0.25)), isotropic)
+    np.testing.assert_allclose(function.evaluate(up, up), 0.25, rtol=1e-9)
 
 
 @isotropic_or_not
