@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from engine.numerics.dispatch import formula
 
 
-@njit
+@formula
 def _over_root(c):
     """acos c / √(1 - c) for c from 0 to 1."""
     a = 0.0066700901 - 0.0012624911 * c
@@ -21,7 +21,7 @@ def _over_root(c):
     return 1.5707963050 + c * (a * c - 0.2145988016)
 
 
-@njit
+@formula
 def angle_over_sine(c):
     """γ / sin γ for cos γ = c in (-1, 1]: 1 at c = 1, with all its digits there."""
     if c >= 0.0:

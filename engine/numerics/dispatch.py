@@ -29,6 +29,9 @@ def by_index(functions: Sequence[Callable], arguments: int) -> Any:
 formula = njit(forceinline=True, error_model="numpy")
 """Decorates what `along` calls, and what that calls: only then is it done for several at a time."""
 
+contracted = njit(forceinline=True, error_model="numpy", fastmath={"contract"})
+"""The same where a product and a sum may be one instruction."""
+
 
 def along(function: Callable) -> Any:
     """A kernel f(p, x, y, z, count, b, out) that fills out[:, q] with function(p, (x, y, z)[q], b).
