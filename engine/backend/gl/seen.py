@@ -1,7 +1,7 @@
 """What a camera sees, found on the GPU: triangles by the rasteriser, rays where those do not do.
 
 Rays are cast at edges, at pixels where the rasteriser's rounding is in doubt, and at all pixels
-where something is so near that it would be cut off. See `engine.methods.glossy_prt.view`.
+where something is so near that it would be cut off. See `engine.methods.free_view`.
 """
 
 from __future__ import annotations

@@ -59,6 +59,12 @@ ZERO, ONE = np.float32(0.0), np.float32(1.0)
 
 
 @contracted
+def levels(a):
+    """N: how often both angles can be halved."""
+    return min(int32_at(a, THETA_BITS), int32_at(a, PHI_BITS))
+
+
+@contracted
 def turned(a, plane, tree):
     """The pair as the block knows it: (direction on the plane, direction in the tree).
 

@@ -15,8 +15,8 @@ from engine.brdf.base import DIFFUSE, SPECULAR
 from engine.light.environment import Environment, is_same
 from engine.light.environment_samples import RIM
 from engine.light.far_disk import NO_DISK, radius_of
+from engine.methods.free_view import NEAR, STEP
 from engine.methods.glossy_prt.vertices import Vertices
-from engine.methods.glossy_prt.view import NEAR, STEP
 from engine.methods.glossy_prt.views import LOWEST, Maps
 from engine.scene.camera import SUBSAMPLES, Camera
 from engine.scene.scene import Geometry, MaterialTable, Scene

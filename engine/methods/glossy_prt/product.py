@@ -22,6 +22,7 @@ from engine.light.cube_light import CubeLight
 from engine.light.environment import Environment, is_same
 from engine.methods.base import Frame, MaterialFit, require_supported
 from engine.methods.clock import Clock
+from engine.methods.free_view import View, look
 from engine.methods.glossy_prt.fits import Fits
 from engine.methods.glossy_prt.gl_prt import GlPrt
 from engine.methods.glossy_prt.measured import Measured, said_of
@@ -29,7 +30,6 @@ from engine.methods.glossy_prt.settings import Settings
 from engine.methods.glossy_prt.shade import Responses, respond, shade
 from engine.methods.glossy_prt.terms import Terms
 from engine.methods.glossy_prt.vertices import Vertices
-from engine.methods.glossy_prt.view import View, look
 from engine.methods.glossy_prt.views import stack_maps
 from engine.numerics.cluster_basis import Clusters
 from engine.numerics.cube_map import FACES

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from engine.light.environment import Environment
 from engine.light.environment_samples import seen_radiance
+from engine.methods.free_view import Seen
 from engine.methods.glossy_prt.vertices import Vertices
-from engine.methods.glossy_prt.view import Seen
 from engine.methods.glossy_prt.views import Maps, first_row, rows_of, view_vectors
 from engine.numerics.borrow import borrow
 from engine.numerics.parallel import for_ranges

@@ -12,8 +12,8 @@ from methods.scenes import camera, cornell, rectangle, scene
 from engine.backend.gl.context import Device
 from engine.backend.gl.raster import TriangleIds
 from engine.backend.gl.seen import Sight
-from engine.methods.glossy_prt.view import NEAR, STEP, look
-from engine.methods.glossy_prt.view import Seen as Expected
+from engine.methods.free_view import NEAR, STEP, look
+from engine.methods.free_view import Seen as Expected
 from engine.scene.camera import Camera
 from engine.scene.open import open_scene
 from engine.scene.scene import Scene

@@ -1,4 +1,4 @@
-"""What a camera sees of a mesh."""
+"""What a camera that moves freely sees of a mesh."""
 
 from __future__ import annotations
 
