@@ -17,7 +17,8 @@ the specular reflectance is black, every model is Lambert's of the diffuse one:
 
 from __future__ import annotations
 
-from typing import ClassVar
+from pathlib import Path
+from typing import ClassVar, Self
 
 import numpy as np
 from numba import njit
@@ -45,6 +46,13 @@ class Material(Description):
     """Whether the specular reflectance is a factor of all that is not matt."""
 
     emission: Radiance = Field((0.0, 0.0, 0.0), description="radiance emitted, W·sr⁻¹·m⁻²")
+
+    def located(self, folder: Path) -> Self:
+        """The material with the files that it names, which lie in `folder`, read.
+
+        Raises SceneError, with the material's field and the file, where one cannot be read.
+        """
+        return self
 
     def row(self) -> NDArray[np.float32]:
         """(ROW,) float32 parameters for the kernels; every kind has its own."""

@@ -6,7 +6,8 @@ plain numbers that may be stored, copied and compared, and mean the same in ever
 loaded the material; a key that nothing is filed under gets none.
 
 Kernels cannot be handed a table that grows while they run, so they get at it by a function of a
-fixed name that the linker knows, which returns the address of an open-addressed hash table.
+fixed name that the linker knows, which returns the address of an open-addressed hash table. Behind
+it stand functions that are compiled once for all kernels, see `engine.numerics.far_call`.
 Entries stay for as long as the process does: what somebody renders with must not go away.
 """
 
@@ -28,8 +29,9 @@ MOST = SLOTS // 2
 DIGITS = 24  # of a key in one place of a row: what float32 holds exactly
 _SYMBOL = "relight_brdf_library"
 
-# Per slot: the key, or 0 where it is free; the address of its bytes.
-_table = np.zeros((SLOTS, 2), np.uint64)
+# Per slot: the key, or 0 where it is free; the address of its bytes. Then the addresses of the
+# functions that know what to do with them.
+_table = np.zeros((SLOTS + 2, 2), np.uint64)
 _kept: dict[int, NDArray[np.uint8]] = {}
 _lock = threading.Lock()
 _ADDRESS = _table.ctypes.data
@@ -78,8 +80,44 @@ def filed(high: float, low: float) -> NDArray[np.uint8] | None:
     return _kept.get(_join(high, low))
 
 
+def packed() -> NDArray[np.uint32]:
+    """(n,) all of it in words, for `shaders/brdf/measured.glsl`.
+
+    How many blocks there are, of each its key as two float32 and the word where it begins, then
+    the blocks.
+    """
+    with _lock:
+        entries = sorted(_kept.items())
+    index = np.zeros(1 + 3 * len(entries), np.uint32)
+    index[0] = len(entries)
+    words, size = [index], len(index)
+    for k, (key, data) in enumerate(entries):
+        place = index[1 + 3 * k : 4 + 3 * k]
+        place[:2].view(np.float32)[:] = key >> DIGITS, key & ((1 << DIGITS) - 1)
+        place[2] = size
+        words.append(data.view(np.uint32))
+        size += len(words[-1])
+    return np.concatenate(words)
+
+
+def count() -> int:
+    """Blocks that are filed."""
+    return len(_kept)
+
+
 def _join(high: float, low: float) -> int:
     return int(high) << DIGITS | int(low)
+
+
+def install(*functions: int) -> None:
+    """Say where functions lie that kernels ask for by number: up to four."""
+    _table.reshape(-1)[2 * SLOTS :][: len(functions)] = functions
+
+
+@njit
+def function(number):
+    """The address of an installed function; 0 where there is none."""
+    return uint64_at(_library(), 2 * SLOTS + number)
 
 
 @njit

@@ -19,6 +19,7 @@ from engine.brdf import (
     ggx,
     half_angle_curve,
     lafortune,
+    measured,
     phong,
     poulin_fournier,
     ward,
@@ -32,6 +33,7 @@ from engine.brdf.ggx import Ggx
 from engine.brdf.half_angle_curve import HalfAngleCurve
 from engine.brdf.lafortune import Lafortune
 from engine.brdf.lewis import Lewis
+from engine.brdf.measured import Measured
 from engine.brdf.phong import Phong
 from engine.brdf.poulin_fournier import PoulinFournier
 from engine.brdf.ward import Ward
@@ -49,6 +51,7 @@ MODELS: dict[type[Material], ModuleType] = {
     Lewis: phong,
     Ward: ward,
     PoulinFournier: poulin_fournier,
+    Measured: measured,
 }
 
 AnyMaterial = Annotated[
@@ -62,7 +65,8 @@ AnyMaterial = Annotated[
     | HalfAngleCurve
     | Lewis
     | Ward
-    | PoulinFournier,
+    | PoulinFournier
+    | Measured,
     Field(discriminator="type"),
 ]
 

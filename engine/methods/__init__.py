@@ -6,14 +6,15 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import Any
 
 from engine.errors import NotFound
-from engine.methods import brdf_editing, direct_to_indirect, glossy_prt
+from engine.methods import brdf_editing, direct_to_indirect, glossy_prt, wavelet_brdf
 from engine.methods.base import EDITS, Frame, Method, Product, Progress, silent
 from engine.numerics.parallel import mark_worker, thread_count
 from engine.scene.scene import Scene
 from engine.store import Store
 
 METHODS: dict[str, Method] = {
-    module.METHOD.name: module.METHOD for module in (direct_to_indirect, glossy_prt, brdf_editing)
+    module.METHOD.name: module.METHOD
+    for module in (direct_to_indirect, glossy_prt, brdf_editing, wavelet_brdf)
 }
 
 

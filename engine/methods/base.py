@@ -49,15 +49,18 @@ class Frame:
 class MaterialFit:
     """How a method models one of a scene's materials.
 
-    terms     of its BRDF
+    terms     of its BRDF; of a code its tiles
     channels  1 where its transport is grey, else 3
-    error     of the BRDF, cosine-weighted root mean square as a part of the BRDF's own; 0 is exact
+    error     of the BRDF, cosine-weighted root mean square as a part of the BRDF's own, or of a
+              code its mean relative error; 0 is exact
+    bytes     of a code
     """
 
     name: str
     terms: int
     channels: int
     error: float
+    bytes: int = 0
 
 
 class Product(Protocol):
@@ -111,7 +114,7 @@ EDITS = {
     "glossy_prt": frozenset({"camera", "environment"}),
     "direct_to_indirect": frozenset({"lights", "environment"}),
     "brdf_editing": frozenset({"materials", "lights"}),
-    "wavelet_brdf": frozenset({"camera", "lights"}),
+    "wavelet_brdf": frozenset({"camera", "lights", "materials"}),
 }
 
 

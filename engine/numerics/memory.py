@@ -16,7 +16,7 @@ from numba.extending import intrinsic
 
 
 def _loader(kind: Any, what: ir.Type, *, stands: bool = True) -> Any:
-    size = 4 if what == ir.FloatType() else what.width // 8
+    size = {ir.FloatType(): 4, ir.DoubleType(): 8}.get(what) or what.width // 8
 
     def load(typing_context: Any, address: Any, index: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -40,6 +40,7 @@ uint64_at = _loader(types.uint64, ir.IntType(64))
 
 load_float = _loader(types.float32, ir.FloatType(), stands=False)
 load_int = _loader(types.int32, ir.IntType(32), stands=False)
+load_double = _loader(types.float64, ir.DoubleType(), stands=False)
 
 
 def _storer(kind: Any, what: ir.Type) -> Any:
@@ -56,6 +57,7 @@ def _storer(kind: Any, what: ir.Type) -> Any:
 
 store_float = _storer(types.float32, ir.FloatType())
 store_int = _storer(types.int32, ir.IntType(32))
+store_double = _storer(types.float64, ir.DoubleType())
 
 
 @intrinsic

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from engine.brdf.base import GRAIN
+from engine.brdf.base import GRAIN, Material
 from engine.brdf.diffuse import Diffuse
 from engine.diagnosis import Diagnosis
 from engine.errors import SceneError
@@ -103,7 +103,7 @@ def build(description: SceneDescription, folder: Path, file: str = "") -> Scene:
             slots[slot] = _texture(folder, texture.texture, place, images, made.diagnoses)
             if isinstance(texture, NormalMap):
                 slots[slot] = steeper(slots[slot], texture.strength)
-        made.surfaces[name] = Surface(constants, slots)
+        made.surfaces[name] = Surface(_located(constants, folder, name), slots)
     for index, thing in enumerate(description.objects):
         _add_object(made, thing, index, folder, list(description.materials))
     lights = _checked(description.lights, folder)
@@ -177,6 +177,14 @@ def _add_object(
         else:
             material = places[name]
         made.placed.append(Placed(node.part, thing.matrix() @ node.matrix, material, index))
+
+
+def _located(material: Material, folder: Path, name: str) -> Material:
+    try:
+        return material.located(folder)
+    except SceneError as error:
+        field = f"materials.{name}.{error.field}"
+        raise SceneError(error.message, field=field, file=error.file) from None
 
 
 def _texture(

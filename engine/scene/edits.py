@@ -135,9 +135,12 @@ def edited_materials(
             old = {"emission": old["emission"]}
         merged = {**old, **change}
         try:
-            result[index] = _MATERIAL.validate_python(merged)
+            result[index] = _MATERIAL.validate_python(merged).located(Path(scene.folder))
         except ValidationError as error:
             raise problems(error, field, merged, _material_schema()) from None
+        except SceneError as error:
+            place = f"{field}.{error.field}"
+            raise EditError(error.message, field=place, file=error.file) from None
     return tuple(result)
 
 

@@ -2,8 +2,9 @@
 
 #include "common/tangent_poles.glsl"
 
-// Blocks of encoded BRDFs as in engine/brdf/wavelet/layout.py, one behind the other.
-layout(std430) readonly buffer b_blocks { uint blocks[]; };
+// What `packed` of engine/brdf/library.py holds; `a` is the word where a block begins, which is as in
+// engine/brdf/wavelet/layout.py.
+layout(std430) readonly buffer b_library { uint words[]; };
 
 // Places in a block's header, and what they may say.
 const int SYMMETRY = 0, THETA_BITS = 1, PHI_BITS = 2, ACROSS = 3, DOWN = 4, CHANNELS = 5;
@@ -19,22 +20,22 @@ struct PlaneTaps {
 
 int int_at(int a, int k)
 {
-    return int(blocks[a + k]);
+    return int(words[a + k]);
 }
 
 float float_at(int a, int k)
 {
-    return uintBitsToFloat(blocks[a + k]);
+    return uintBitsToFloat(words[a + k]);
 }
 
 int half_at(int a, int k)
 {
-    return int(blocks[a + (k >> 1)] >> (16 * (k & 1)) & 0xffffu);
+    return int(words[a + (k >> 1)] >> (16 * (k & 1)) & 0xffffu);
 }
 
 float octet_at(int a, int k)
 {
-    return float(blocks[a + (k >> 2)] >> (8 * (k & 3)) & 0xffu);
+    return float(words[a + (k >> 2)] >> (8 * (k & 3)) & 0xffu);
 }
 
 vec3 vector_at(int a, int k)
@@ -83,13 +84,14 @@ vec3 odds(int a, int node, int depth, float ratio, PlaneTaps taps)
     if (number == 0)
         return vec3(ratio);
     int channels = int_at(a, CHANNELS), rows = int_at(a, DOWN) > 1 ? TILE + 1 : 1;
-    int q = int_at(a, FIRST_TILE)
-        + (((number - 1) * rows + within.y) * (TILE + 1) + within.x) * channels;
+    int start = int_at(a, FIRST_TILE) + (number - 1) * (1 + rows * (TILE + 1) * channels);
+    int q = start + 1 + (within.y * (TILE + 1) + within.x) * channels;
     int below = rows > 1 ? (TILE + 1) * channels : 0;
     bool grey = channels == 1;
     vec3 code = between(codes_at(a, q, grey), codes_at(a, q + channels, grey),
                         codes_at(a, q + below, grey), codes_at(a, q + below + channels, grey), taps.f);
-    return ratio * exp(-vector_at(a, int_at(a, RANGES) + 4 * depth) * (code - 128.0));
+    float scale = octet_at(a, start), one = scale * scale * float_at(a, int_at(a, RANGES) + depth);
+    return ratio * exp(-one * (code - 128.0));
 }
 
 // What the cell reflects that the first splits lead to, on the way to leaf (i, j).

@@ -17,11 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.backend.gl.source import VERSION, load
+from engine.brdf import library
 from engine.errors import BackendError
 
 EGL: Any = {"backend": "egl"}  # a context without a display
 GROUP = 64  # threads of a work group, in every shader
 MOST_GROUPS = 65535  # of a dispatch, by the specification
+LIBRARY = "b_library"  # the one block that every program finds for itself
 SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "basic render")
 INSTALL = "on Debian and Ubuntu: apt-get install libegl1 libgl1 libgl1-mesa-dri"
 
@@ -41,6 +43,7 @@ class Device:
         self.software = any(name in self.renderer.lower() for name in SOFTWARE)
         self._owner = threading.get_ident(), os.getpid()
         self._programs: dict[tuple[Any, ...], Program] = {}
+        self._library: tuple[int, Any] = (-1, None)
 
     def require_own_thread(self) -> None:
         """Raise BackendError elsewhere than where it was made."""
@@ -56,7 +59,7 @@ class Device:
         """The compute shader `name`; see `source.load`. Compiled at its first use."""
         key = (name, *(defines or {}).items(), *(made or {}).items())
         if key not in self._programs:
-            self._programs[key] = Program(self.context, name, defines, made)
+            self._programs[key] = Program(self, name, defines, made)
         return self._programs[key]
 
     def drawing(self, name: str) -> Any:
@@ -90,6 +93,13 @@ class Device:
         buffer.clear()
         return buffer
 
+    def library(self) -> Any:
+        """The buffer of all blocks that are filed in `engine.brdf.library`, sent as it grows."""
+        count = library.count()
+        if self._library[0] != count:
+            self._library = count, self.upload(library.packed())
+        return self._library[1]
+
     def check(self) -> None:
         """Raise BackendError if anything went wrong since the last call."""
         error = self.context.error
@@ -102,7 +112,7 @@ class Program:
 
     def __init__(
         self,
-        context: Any,
+        device: Device,
         name: str,
         defines: Mapping[str, int] | None,
         made: Mapping[str, str] | None,
@@ -110,10 +120,10 @@ class Program:
         """Raises BackendError, with the compiler's log, where it does not compile."""
         source = load(name, defines, made)
         try:
-            self._shader = context.compute_shader(source.text)
+            self._shader = device.context.compute_shader(source.text)
         except moderngl.Error as error:
             raise BackendError(f"{name} does not compile:\n{source.explain(str(error))}") from None
-        self._context = context
+        self._device = device
         self._blocks = [
             member
             for member in self._shader
@@ -134,13 +144,14 @@ class Program:
         if groups <= 0:
             return
         for binding, block in enumerate(self._blocks):
-            buffers[block].bind_to_storage_buffer(binding)
+            buffer = self._device.library() if block == LIBRARY else buffers[block]
+            buffer.bind_to_storage_buffer(binding)
         for name, value in uniforms.items():
             member = self._shader.get(name, None)
             if member is not None:
                 member.value = value
         self._shader.run(groups)
-        self._context.memory_barrier()
+        self._device.context.memory_barrier()
 
 
 class Uploads:

@@ -64,28 +64,43 @@ class Grid:
         phi = phi_weights(self.cells[1], self.extent[1])
         return theta / theta.sum(), phi / phi.sum()
 
+    @property
+    def incident_weights(self) -> Array:
+        """(down, across): shares of the projected solid angle of the incident directions."""
+        if self.symmetry == layout.ISOTROPIC:
+            weight = np.sin(2 * np.arange(self.across) * np.pi / (2 * self.across - 1))[None]
+            weight[0, 0] = 0.25 * weight[0, 1]
+        else:
+            weight = np.multiply.outer(phi_weights(self.down), theta_weights(self.across))
+        return weight / weight.sum()
+
     def axes(self) -> list[int]:
         """Which angle each split cuts, from the root down: 0 is θ, 1 is φ."""
         return layout.schedule(self.theta_bits, self.phi_bits)[0][:, 0].tolist()
 
 
-def analyse(values: NDArray[np.floating], grid: Grid) -> tuple[Array, Array]:
-    """(mean (...), log-ratios (nodes, ...)) of positive values (θ, φ, ...).
+def analyse(values: NDArray[np.floating], grid: Grid) -> tuple[Array, Array, Array]:
+    """(mean (...), log-ratios (nodes, ...), parts (nodes, ...)) of positive values (θ, φ, ...).
 
-    Nodes are in the order of the heap, from 1 on.
+    The part of a node is what it reflects of all that is reflected. Nodes are in the order of the
+    heap, from 1 on.
     """
     w = np.multiply.outer(*grid.weights)
-    axes, found = grid.axes(), []
+    axes = grid.axes()
+    found: list[Array] = []
+    parts: list[Array] = []
     reflected = np.asarray(values, np.float64) * _as(w, values)
     for depth in reversed(range(len(axes))):
         a, b = _halves(reflected, axes[depth])
         wa, wb = _halves(w, axes[depth])
         d = np.log((a / _as(wa, a)) / (b / _as(wb, b)))
-        by_node = np.zeros((1 << depth, *d.shape[2:]))
-        by_node[_number(axes[:depth], wa.shape)] = d
-        found.append(by_node)
         reflected, w = a + b, wa + wb
-    return reflected[0, 0], np.concatenate(found[::-1])
+        for values, kept in ((d, found), (reflected, parts)):
+            by_node = np.zeros((1 << depth, *d.shape[2:]))
+            by_node[_number(axes[:depth], wa.shape)] = values
+            kept.append(by_node)
+    mean = reflected[0, 0]
+    return mean, np.concatenate(found[::-1]), np.concatenate(parts[::-1]) / mean
 
 
 def synthesise(mean: Array, ratios: Array, grid: Grid, depth: int | None = None) -> Array:

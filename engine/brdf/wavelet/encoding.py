@@ -2,13 +2,14 @@
 
 Coefficients of one node are one slice of the paper's 3-D texture, over the plane of incident
 directions. The paper leaves out whole slices; where a lobe moves over the plane, most of a slice
-is next to nothing but little of it all, so we cut slices into tiles and leave out those. Each tile
-has its own weight, the sum of its coefficients times the leaves that they bear on, and the lightest
-go first until the error or the size that is asked for is met.
+is next to nothing but little of it all, so we cut slices into tiles and leave out those, the
+lightest first, until the error or the size that is asked for is met. Two errors count: the mean
+relative one over all samples (§6.2), most of which are far from any highlight, and the part of all
+reflected light that is in a wrong place. A tile weighs what its coefficients mean to either.
 
-Coefficients get 8 bits, even steps up to the largest of their split and channel. So a texture unit
-may interpolate them. With a floor of εμ under all values, μ their mean, ratios are bounded (§5.1).
-Where all channels are one but for a factor, they are kept as one.
+Coefficients get 8 bits, in even steps up to the largest of their tile, so that they may be
+interpolated as they are. With a floor of εμ under all values, μ their mean, ratios are bounded
+(§5.1). Where all channels are one but for a factor, they are kept as one.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from engine.brdf.wavelet.layout import TILE
 from engine.errors import InputError
 
 STEPS = 127  # of a coefficient, to either side of 0
+SCALES = 255  # of a tile, the largest
 GREY = 1e-5  # by which channels may differ in their ratios and still be one
 NOTHING = 1e-6  # of a coefficient: less is rounding
 HALVINGS = 12
@@ -36,13 +38,16 @@ class Target:
     """What an encoding is to reach: the first of them that is given.
 
     bytes  at most so many
-    error  mean relative error over all samples, at most
+    error  at most so much of either error of `Encoded`
     floor  ε, part of the mean value of a channel below which values blur into each other
     """
 
     bytes: int | None = None
     error: float | None = 0.01
     floor: float = 1e-3
+
+
+DEFAULT = Target()
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +58,7 @@ class Encoded:
     grid   what it was sampled on
     error  mean relative error over all samples and channels, against the table that was encoded
     worst  99th percentile of the same
+    light  part of all light, from everywhere, that is reflected where it should not be
     kept   part of the tiles that is kept
     """
 
@@ -60,6 +66,7 @@ class Encoded:
     grid: Grid
     error: float
     worst: float
+    light: float
     kept: float
 
     @property
@@ -67,48 +74,60 @@ class Encoded:
         """Size of all of it."""
         return len(self.data)
 
+    @property
+    def tiles(self) -> int:
+        """Tiles that are stored; those that are equal are once."""
+        views = layout.block(self.data)
+        first, last = views.header[layout.MAP], views.header[layout.FIRST_TILE] // 2
+        return int(views.words[first:last].max(initial=0))
 
-def encode(values: NDArray[np.floating], grid: Grid, target: Target | None = None) -> Encoded:
+
+def encode(values: NDArray[np.floating], grid: Grid, target: Target = DEFAULT) -> Encoded:
     """Encode values (θ, φ, down, across, 3) in sr⁻¹, not negative.
 
     Raises InputError where the size that is asked for is less than what cannot be left out.
     """
-    target = target or Target()
     if not 1e-9 <= target.floor <= 1:
         raise InputError(f"the floor is {target.floor}, not from 1e-9 to 1", field="floor")
     channels = values.mean(axis=(0, 1, 2, 3), dtype=np.float64)
     floor = target.floor * np.where(channels > 0, channels, channels.mean() or 1.0)
-    mean, ratios = analyse(values + floor, grid)
+    mean, ratios, parts = analyse(values + floor, grid)
+    arriving = grid.incident_weights[..., None]
+    bright = parts * mean * arriving / (mean * arriving).sum()
     if np.abs(ratios - ratios[..., :1]).max() <= GREY:
         ratios = ratios[..., :1]
-    ranges = _ranges(ratios)
-    codes = np.rint(ratios / ranges[_depths(len(ratios))] * STEPS).astype(np.int8)
-    tiles = _cut(codes)
-    order, heavy = _by_weight(_cut(ratios))
+    tiles = _cut(ratios)
+    order, heavy = _by_weight(tiles, _cut(bright))
+    ranges, scales, codes = _quantised(tiles)
+    coarse = codes * _steps(ranges, scales)
 
     def kept(count: int) -> NDArray[np.bool_]:
-        mask = np.zeros(tiles.shape[:3], np.bool_)
+        mask = np.zeros(scales.shape, np.bool_)
         mask.reshape(-1)[order[:count]] = True
         return mask
 
-    def errors(count: int) -> Array:
-        some = _joined(np.where(kept(count)[..., None, None, None], tiles, 0), codes.shape)
-        coarse = some * ranges[_depths(len(ratios))] / STEPS
-        found = np.maximum(synthesise(mean, coarse, grid) - floor, 0)
-        return np.abs(found - values) / (values + floor)
+    share = np.multiply.outer(*grid.weights)[..., None, None, None] * arriving
+    all_light = float((values * share).sum())
+
+    def errors(count: int) -> tuple[float, float, float]:
+        some = np.where(kept(count)[..., None, None, None], coarse, 0)
+        found = synthesise(mean, _joined(some, ratios.shape), grid)
+        off = np.abs(np.maximum(found - floor, 0) - values)
+        relative = off / (values + floor)
+        light = float((off * share).sum()) / (2 * all_light) if all_light > 0 else 0.0
+        return float(relative.mean()), float(np.quantile(relative, 0.99)), light
 
     count = heavy
     if target.bytes is not None:
-        fixed = len(_laid_out(grid, floor, mean, ranges, tiles, kept(0)))
+        fixed = len(_laid_out(grid, floor, mean, ranges, scales, codes, kept(0)))
         if fixed > target.bytes:
             raise InputError(f"the least is {fixed} bytes, not {target.bytes}", field="bytes")
-        count = min(count, (target.bytes - fixed) // tiles[0, 0, 0].nbytes)
+        count = min(count, (target.bytes - fixed) // (1 + codes[0, 0, 0].nbytes))
     elif target.error is not None:
         bound = target.error
-        count = _least(count, lambda k: float(errors(k).mean()) <= bound)
-    off = errors(count)
-    data = _laid_out(grid, floor, mean, ranges, tiles, kept(count))
-    return Encoded(data, grid, float(off.mean()), float(np.quantile(off, 0.99)), count / len(order))
+        count = _least(count, lambda k: max(errors(k)[::2]) <= bound)
+    data = _laid_out(grid, floor, mean, ranges, scales, codes, kept(count))
+    return Encoded(data, grid, *errors(count), count / len(order))
 
 
 def _depths(nodes: int) -> NDArray[np.int64]:
@@ -116,12 +135,21 @@ def _depths(nodes: int) -> NDArray[np.int64]:
     return np.frexp(np.arange(1, nodes + 1))[1][:, None, None] - 1
 
 
-def _ranges(ratios: Array) -> Array:
-    """(depth, channels): the largest of either sign; 1 where there is nothing."""
-    depths = _depths(len(ratios)).ravel()
-    largest = np.abs(ratios).max(axis=(1, 2))
-    found = np.stack([largest[depths == k].max(axis=0) for k in range(depths[-1] + 1)])
-    return np.where(found > NOTHING, found, 1.0)
+def _quantised(tiles: Array) -> tuple[Array, NDArray[np.uint8], NDArray[np.int8]]:
+    """(ranges (depth,), scales by tile, codes): a coefficient is its code times `_steps`."""
+    depths, largest = _depths(len(tiles))[:, :, 0], np.abs(tiles).max(axis=(3, 4, 5))
+    ranges = np.array([largest[depths[:, 0] == k].max() for k in range(depths.max() + 1)])
+    ranges = np.where(ranges > NOTHING, ranges, 1.0)
+    scales = np.ceil(SCALES * np.sqrt(largest / ranges[depths][..., None]))
+    scales = np.clip(scales, 1, SCALES).astype(np.uint8)
+    codes = np.rint(tiles / _steps(ranges, scales)).astype(np.int8)
+    return ranges, scales, codes
+
+
+def _steps(ranges: Array, scales: NDArray[np.uint8]) -> Array:
+    """What one step of a code is, by tile: of the range of its depth the square of the scale."""
+    part = (scales / SCALES) ** 2 / STEPS
+    return (ranges[_depths(len(scales))] * part)[..., None, None, None]
 
 
 def _cut(slices: NDArray[Any]) -> NDArray[Any]:
@@ -147,13 +175,16 @@ def _joined(tiles: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
     return whole.reshape(n, tall * high, -1, channels)[:, : shape[1], : shape[2]]
 
 
-def _by_weight(tiles: Array) -> tuple[NDArray[np.int64], int]:
-    """(tiles by number, the heaviest first; how many weigh anything).
+def _by_weight(tiles: Array, bright: Array) -> tuple[NDArray[np.int64], int]:
+    """(tiles by number, the heaviest first; how many hold anything).
 
-    Half a tile's coefficient is what the logarithms of the leaves below it are off without.
+    Half a coefficient is what the logarithms of the leaves below it are off without. `bright` is
+    what each node reflects of all light, for each incident direction.
     """
-    leaves = 2.0 ** -_depths(len(tiles))
-    weight = np.abs(tiles).sum(axis=(3, 4)).mean(axis=-1) * leaves
+    leaves = 2.0 ** -_depths(len(tiles))[..., None, None, None]
+    samples = tiles[0].size / tiles.shape[-1]
+    both = leaves / samples + bright.mean(axis=-1, keepdims=True)
+    weight = (np.abs(tiles) * both).sum(axis=(3, 4, 5))
     heavy = np.abs(tiles).max(axis=(3, 4, 5)) > NOTHING
     weight *= heavy
     return np.argsort(-weight.ravel(), kind="stable"), int(heavy.sum())
@@ -175,17 +206,16 @@ def _laid_out(
     floor: Array,
     mean: Array,
     ranges: Array,
-    tiles: NDArray[np.int8],
+    scales: NDArray[np.uint8],
+    codes: NDArray[np.int8],
     kept: NDArray[np.bool_],
 ) -> NDArray[np.uint8]:
     """The block. Tiles that are equal are stored once."""
     theta, phi = grid.weights
     splits = layout.schedule(grid.theta_bits, grid.phi_bits)
-    # Kernels take four channels at a time.
-    repeats = [1, 1, 2] if ranges.shape[1] == 3 else [4]
     parts: list[tuple[int, NDArray[Any]]] = [
         (layout.ROOT, np.log(mean)),
-        (layout.RANGES, np.repeat(ranges / STEPS, repeats, axis=1)),
+        (layout.RANGES, ranges / (STEPS * SCALES**2)),
         (layout.THETA_RATIOS, _heap(theta, ratios=True)),
         (layout.PHI_RATIOS, _heap(phi, ratios=True)),
         (layout.THETA_SHARES, _heap(theta, ratios=False)),
@@ -201,11 +231,10 @@ def _laid_out(
         plain = part if part.dtype == np.int32 else part.astype(np.float32)
         floats.append(plain.ravel())
         size += part.size
-    some = tiles[kept]
-    shape = some.shape[1:]
-    stored, which = np.unique(
-        some.reshape(len(some), int(np.prod(shape))), axis=0, return_inverse=True
-    )
+    some = (codes[kept] + np.int16(128)).astype(np.uint8)
+    some = some.reshape(len(some), int(np.prod(codes.shape[3:])))
+    some = np.concatenate([scales[kept][:, None], some], axis=1)
+    stored, which = np.unique(some, axis=0, return_inverse=True)
     if len(stored) > 0xFFFE:
         raise InputError(f"{len(stored)} tiles are more than {0xFFFE}", field="bytes")
     numbers = np.zeros(kept.shape, np.uint16)
@@ -214,9 +243,8 @@ def _laid_out(
     header[layout.FIRST_TILE] = 4 * size + numbers.nbytes
     header[layout.SYMMETRY], header[layout.THETA_BITS] = grid.symmetry, grid.theta_bits
     header[layout.PHI_BITS], header[layout.ACROSS] = grid.phi_bits, grid.across
-    header[layout.DOWN], header[layout.CHANNELS] = grid.down, tiles.shape[-1]
-    octets = (stored.reshape(len(stored), *shape) + np.int16(128)).astype(np.uint8)
-    data = [*(f.view(np.uint8) for f in floats), numbers.ravel().view(np.uint8), octets.ravel()]
+    header[layout.DOWN], header[layout.CHANNELS] = grid.down, codes.shape[-1]
+    data = [*(f.view(np.uint8) for f in floats), numbers.ravel().view(np.uint8), stored.ravel()]
     # Whole words, and room to read four octets at the last.
     room = -sum(map(len, data)) % 4 + 4
     return np.concatenate([*data, np.zeros(room, np.uint8)])

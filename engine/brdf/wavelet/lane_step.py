@@ -39,33 +39,33 @@ def start(typing_context: Any, reflected: Any, root: Any, below: Any, fx: Any, f
 
 @intrinsic
 def go_down(
-    typing_context: Any, reflected: Any, scale: Any, tap: Any, right: Any, below: Any, fx: Any,
+    typing_context: Any, reflected: Any, tap: Any, right: Any, below: Any, step: Any, fx: Any,
     fy: Any, ratio: Any, grey: Any, second: Any,
 ) -> Any:  # fmt: skip
     """Write what a half reflects, four float32 after those of the whole at `reflected`.
 
-    With e = ratio · exp(-scale · coefficient), the first half has 1 / (1 + e) of it, the second
+    With e = ratio · exp(-step · code), the first half has 1 / (1 + e) of it, the second
     e / (1 + e). `tap` is the address of the first of four texels, from which the next is so many
     octets to the `right` and that in the next row `below`. Where it is grey one channel is all.
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        at, scale, tap, right, below, fx, fy, ratio, grey, second = arguments
-        fx, fy, ratio = (lanes.spread(builder, f) for f in (fx, fy, ratio))
+        at, tap, right, below, step, fx, fy, ratio, grey, second = arguments
+        step, fx, fy, ratio = (lanes.spread(builder, f) for f in (step, fx, fy, ratio))
 
         def codes(offset: Any) -> Lanes:
             return lanes.load_octets(builder, builder.add(tap, offset))
 
         code = _between(_square(builder, codes, right, below), fx, fy) - 128.0
         code = lanes.either(grey, lanes.first_everywhere(code), code)
-        e = ratio * (lanes.load_floats(builder, scale) * code * -1.0).exp()
+        e = ratio * (step * code * -1.0).exp()
         part = lanes.either(second, e, 1.0) / (e + 1.0)
         after = builder.add(at, ir.Constant(_WORD, 4 * COUNT))
         lanes.store_floats(lanes.load_floats(builder, at) * part, after)
         return context.get_dummy_value()
 
     kinds = (
-        types.uint64, types.uint64, types.uint64, types.int64, types.int64, types.float32,
+        types.uint64, types.uint64, types.int64, types.int64, types.float32, types.float32,
         types.float32, types.float32, types.boolean, types.boolean,
     )  # fmt: skip
     return types.void(*kinds), generate

@@ -3,7 +3,7 @@
     header   16 int32: what is where
     floats   float32: root, ranges, ratios of θ, of φ, shares of θ, of φ, floor; int32: schedule
     map      uint16 (nodes, tiles across · tiles down): which tile; 0 is all zero and not stored
-    tiles    uint8 (tiles, rows, TILE + 1, channels), from tile 1 on
+    tiles    uint8 (tiles, 1 + rows · (TILE + 1) · channels), from tile 1 on: scale, then codes
 
 A *node* is a place of the binary tree over outgoing directions, numbered as in a heap: 1 is the
 root, 2 k and 2 k + 1 are the children of k. The *plane* is that of incident directions. A tile

@@ -36,7 +36,14 @@ from engine.numerics.lanes import COUNT
 from engine.numerics.memory import int32_at, load_float, stack_words
 from engine.numerics.tangent_poles import direction
 
-WEIGHTS = (0.2126, 0.7152, 0.0722)
+
+@njit(error_model="numpy")
+def _luminance(reflected, depth):
+    """Of what a cell reflects."""
+    p = COUNT * depth
+    return luminance(
+        (load_float(reflected, p), load_float(reflected, p + 1), load_float(reflected, p + 2))
+    )
 
 
 @njit(error_model="numpy")
@@ -46,7 +53,7 @@ def _whole(a, plane):
     total = 0.0
     for image in range(_images(a)):
         root_at(a, plane_taps(a, mirrored(plane, image)), room)
-        total += luminance((load_float(room, 0), load_float(room, 1), load_float(room, 2)))
+        total += _luminance(room, 0)
     return total
 
 
@@ -85,18 +92,15 @@ def sample(a, wo, u):
             x_axis = wo[0] / r, wo[1] / r
         plane = (r, 0.0, wo[2])
     reflected = stack_words(SCRATCH)
-    # Choose an image and a channel by what they reflect.
-    left, chosen, channel, rest = u[2] * _whole(a, plane), 0, 1, 0.5
+    # Choose an image by what it reflects.
+    left, chosen, rest = u[2] * _whole(a, plane), 0, 0.5
     for image in range(_images(a)):
         root_at(a, plane_taps(a, mirrored(plane, image)), reflected)
-        for c in range(3):
-            part = WEIGHTS[c] * load_float(reflected, c)
-            if left >= 0.0 and part > 0.0:
-                chosen, channel = image, c
-                rest = left / part
-            left -= part
-    seen = mirrored(plane, chosen)
-    taps = plane_taps(a, seen)
+        part = _luminance(reflected, 0)
+        if left >= 0.0:
+            chosen, rest = image, left / part
+        left -= part
+    taps = plane_taps(a, mirrored(plane, chosen))
     root_at(a, taps, reflected)
     places = tile_places(a, taps)
     # Down the tree, either number used up by the splits of one angle.
@@ -105,8 +109,7 @@ def sample(a, wo, u):
     for k in range(theta_bits + phi_bits):
         cuts_theta, ratio = split_below(a, k, i, j)
         halve(a, node, k, ratio, False, taps, places, reflected)
-        whole = load_float(reflected, COUNT * k + channel)
-        first = min(1.0, load_float(reflected, COUNT * (k + 1) + channel) / whole)
+        first = min(1.0, _luminance(reflected, k + 1) / _luminance(reflected, k))
         r = p if cuts_theta else q
         second = 1 if r >= first else 0
         r = (r - first) / max(1e-30, 1.0 - first) if second else r / max(1e-30, first)

@@ -48,6 +48,7 @@ from engine.numerics.memory import (
     stack_words,
     store_float,
     store_int,
+    uint8_at,
     uint16_at,
 )
 from engine.numerics.tangent_poles import coordinates
@@ -118,8 +119,8 @@ def tile_places(a, taps):
     return (
         j // TILE * wide + i // TILE,
         wide * tall,
-        rows * (TILE + 1) * step,
-        (j % TILE * (TILE + 1) + i % TILE) * step,
+        1 + rows * (TILE + 1) * step,
+        1 + (j % TILE * (TILE + 1) + i % TILE) * step,
     )
 
 
@@ -272,10 +273,11 @@ def halve(a, node, depth, ratio, second, taps, places, reflected):
         return
     _, _, fx, fy = taps
     channels = np.int64(int32_at(a, CHANNELS))
-    q = int32_at(a, FIRST_TILE) + (number - 1) * octets + first
+    q = int32_at(a, FIRST_TILE) + (number - 1) * octets
+    scale = np.float32(uint8_at(a, q))
+    step = scale * scale * float32_at(a, int32_at(a, RANGES) + depth)
     below = (TILE + 1) * channels if int32_at(a, DOWN) > 1 else 0
-    r = np.int64(int32_at(a, RANGES)) + p
     go_down(
-        reflected + np.uint64(4 * p), a + np.uint64(4 * r), a + np.uint64(q), channels, below,
-        fx, fy, ratio, channels == 1, second,
+        reflected + np.uint64(4 * p), a + np.uint64(q + first), channels, below, step, fx, fy,
+        ratio, channels == 1, second,
     )  # fmt: skip

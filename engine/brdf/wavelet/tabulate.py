@@ -17,6 +17,7 @@ from engine.brdf.wavelet import layout
 from engine.brdf.wavelet.analysis import Grid
 from engine.numerics.tangent_poles import directions
 
+BITS = 5  # 32 cells along each angle, as the paper has
 WITHIN = 2  # samples of a cell, along each angle
 MIRRORED = 0.01  # by which a mirrored pair may differ, of the mean of both and of all
 PAIRS = 2000
@@ -34,7 +35,7 @@ class Source(Protocol):
         """(q, 3) sr⁻¹ of unit pairs (q, 3) above the surface."""
 
 
-def grid_for(source: Source, bits: int = 5) -> Grid:
+def grid_for(source: Source, bits: int = BITS) -> Grid:
     """The grid for a source: 2^bits cells along each angle of the hemisphere.
 
     The cells of an isotropic one have half the width, for it costs a small part of the others.

@@ -182,7 +182,7 @@ def look_at(scene: Scene, directions: NDArray[np.float32]) -> Points:
     points = no_points(n)
     points.view[:] = -directions
     for_ranges(
-        _describe_hits,
+        describe_hits,
         n,
         scene.geometry,
         scene.material_table,
@@ -202,10 +202,11 @@ def look_at(scene: Scene, directions: NDArray[np.float32]) -> Points:
 
 
 @njit(cache=True, nogil=True)
-def _describe_hits(
+def describe_hits(
     start, stop, geometry, materials, triangle, b1, b2, view,
     position, normal, geometric, model, row, obj, material,
 ):  # fmt: skip
+    """Fill in, as of `Points`, what rays meet that go against `view`."""
     for i in range(start, stop):
         t = triangle[i]
         if t < 0:

@@ -39,6 +39,7 @@ from engine.methods.fixed_view.direct import (
 from engine.methods.fixed_view.frame_buffer import FINE, Points
 from engine.methods.fixed_view.light_pictures import LightPictures
 from engine.methods.fixed_view.view import OVER_PIXEL, View
+from engine.scene.scene import Scene
 
 
 class Picture(NamedTuple):
@@ -66,22 +67,17 @@ class Pixels(NamedTuple):
 class GlView:
     """A view on the GPU; lights are remembered one by one, as on the CPU."""
 
-    def __init__(self, device: Device, view: View) -> None:
-        """Uploads the deep frame-buffer and the tree of its triangles."""
+    def __init__(self, device: Device, view: View, shading: Shading | None = None) -> None:
+        """Uploads the deep frame-buffer, and the tree of its triangles unless it is given one."""
         self._device, self._view = device, view
-        geometry, rays = view.scene.geometry, view.scene.rays
-        self._shading = Shading(
-            device, build_tree(geometry.positions, geometry.triangles), rays.epsilon
-        )
+        self._shading = shading or shading_of(device, view.scene)
         self._pictures: LightPictures[Picture] = LightPictures()
         buffer = view.buffer
         self._sub, self._edge = upload_points(device, buffer.sub), device.upload(buffer.edge)
         has_subsamples = np.zeros(len(buffer.centre), np.int32)
         has_subsamples[buffer.edge] = HAS_SUBSAMPLES
-        self._pixels = {
-            1: self._upload_pixels(1, buffer.alike | has_subsamples),
-            2: self._upload_pixels(2, view.coarse_alike.astype(np.int32)),
-        }
+        self._flags = buffer.alike | has_subsamples
+        self._uploaded: dict[int, Pixels] = {}
         self._backdrop = Uploads(device)
 
     def on_points(self, points: Surface, lights: tuple[Light, ...], total: Any) -> None:
@@ -119,7 +115,7 @@ class GlView:
 
         backdrop is the whole picture of what no light changes, the same array as long as it is so.
         """
-        n = self._pixels[scale].surface.count
+        n = self._pixels(scale).surface.count
         behind = self._backdrop.of(str(scale), backdrop, lambda a: self._view.every(a, scale))
         self._device.context.copy_buffer(total, behind, 12 * n)
         light_it = self._on_buffer if scale == 1 else self._on_coarse
@@ -131,14 +127,14 @@ class GlView:
 
     def _show(self, light: Light, scale: int, total: Any) -> None:
         """See `View._lamp`."""
-        pixels, eye = self._pixels[scale], self._view.scene.camera.position
+        pixels, eye = self._pixels(scale), self._view.scene.camera.position
         outline = OVER_PIXEL if scale == 1 else None
         args = (pixels.surface, light_table([light]), eye, pixels.width, outline)
         self._shading.lamp(*args, pixels.spare, total)
 
     def _on_buffer(self, light: Light) -> Picture:
         """See `direct.light_on_buffer`."""
-        pixels, table = self._pixels[1], light_table([light])
+        pixels, table = self._pixels(1), light_table([light])
         if light.has_extent:
             radiance = self._soft(pixels, light, PER_PENUMBRA_PIXEL)
         else:
@@ -155,7 +151,7 @@ class GlView:
 
     def _on_coarse(self, light: Light) -> Picture:
         """See `direct.light_on_pixels`."""
-        pixels = self._pixels[2]
+        pixels = self._pixels(2)
         if light.has_extent:
             return self._soft(pixels, light, PER_COARSE_PENUMBRA_PIXEL)
         radiance, table = self._picture(pixels.surface.count), light_table([light])
@@ -177,17 +173,26 @@ class GlView:
     def _picture(self, n: int) -> Picture:
         return Picture(self._device.room(16 * n), 12 * n)
 
-    def _upload_pixels(self, scale: int, flags: NDArray[np.int32]) -> Pixels:
-        device, points = self._device, self._view.points(scale)
-        n = len(points)
-        return Pixels(
-            upload_points(device, points),
-            self._view.shape(scale)[1],
-            device.upload(flags.astype(np.int32)),
-            device.room(4 * n),
-            device.room(4 * (1 + n)),
-            device.room(16 * n),
-        )
+    def _pixels(self, scale: int) -> Pixels:
+        if scale not in self._uploaded:
+            device, points = self._device, self._view.points(scale)
+            flags, n = self._flags if scale == 1 else self._view.coarse_alike, len(points)
+            self._uploaded[scale] = Pixels(
+                upload_points(device, points),
+                self._view.shape(scale)[1],
+                device.upload(flags.astype(np.int32)),
+                device.room(4 * n),
+                device.room(4 * (1 + n)),
+                device.room(16 * n),
+            )
+        return self._uploaded[scale]
+
+
+def shading_of(device: Device, scene: Scene) -> Shading:
+    """What lights points, with the triangles of a scene in their way."""
+    geometry = scene.geometry
+    tree = build_tree(geometry.positions, geometry.triangles)
+    return Shading(device, tree, scene.rays.epsilon)
 
 
 def upload_points(device: Device, points: Points) -> Surface:

@@ -56,23 +56,34 @@ class Reflectance(NamedTuple):
 class View:
     """A scene, its deep frame-buffer, and the direct light on it."""
 
-    def __init__(self, scene: Scene) -> None:
-        """Casts the primary rays: well under a second per half million pixels."""
+    def __init__(self, scene: Scene, buffer: FrameBuffer | None = None) -> None:
+        """Casts the primary rays, well under a second per half million pixels, or is given what
+        they meet.
+        """
         self.scene = scene
-        self.buffer: FrameBuffer = frame_buffer.build(scene)
+        self.buffer: FrameBuffer = buffer or frame_buffer.build(scene)
         self.pictures: LightPictures[NDArray[np.float32]] = LightPictures()
         self.backdrop = Backdrop(scene, self.buffer)
         self._reflected: tuple[Environment | None, dict[int, NDArray[np.float32]]] = (None, {})
-        width, height = scene.camera.width, scene.camera.height
+
+    @cached_property
+    def _coarse(self) -> Points:
+        """The centres of every second pixel of every second row."""
+        width, height = self.scene.camera.width, self.scene.camera.height
         grid = np.arange(width * height).reshape(height, width)
-        self._coarse = self.buffer.centre.take(np.ascontiguousarray(grid[::2, ::2]).ravel())
+        points = self.buffer.centre.take(np.ascontiguousarray(grid[::2, ::2]).ravel())
         height, width = self.shape(2)
-        self._coarse.phase[:] = pixel_phase(width, height)
-        self._coarse.size[:] *= 2
-        self.coarse_alike = alike_neighbours(
-            self._coarse.position, self._coarse.normal, self._coarse.object, self._coarse.matt,
-            width,
-        )  # fmt: skip
+        points.phase[:] = pixel_phase(width, height)
+        points.size[:] *= 2
+        return points
+
+    @cached_property
+    def coarse_alike(self) -> NDArray[np.uint8]:
+        """(n,) of those, as `FrameBuffer.alike`."""
+        points = self._coarse
+        return alike_neighbours(
+            points.position, points.normal, points.object, points.matt, self.shape(2)[1]
+        )
 
     def shape(self, scale: int) -> tuple[int, int]:
         """(height, width) of a picture of every scale-th pixel."""

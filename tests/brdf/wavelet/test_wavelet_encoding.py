@@ -7,13 +7,13 @@ import pytest
 from brdf.wavelet.sources import ASKEW, BRUSHED, ISOTROPIC, MATT, SOURCES, Formula
 
 from engine.brdf.wavelet import layout
-from engine.brdf.wavelet.encoding import Encoded, Target, encode
+from engine.brdf.wavelet.encoding import DEFAULT, Encoded, Target, encode
 from engine.brdf.wavelet.layout import block
 from engine.brdf.wavelet.tabulate import Source, grid_for, tabulate
 from engine.errors import InputError
 
 
-def encoded(source: Source, target: Target | None = None, bits: int = 4) -> Encoded:
+def encoded(source: Source, target: Target = DEFAULT, bits: int = 4) -> Encoded:
     grid = grid_for(source, bits)
     return encode(tabulate(source, grid), grid, target)
 

@@ -1,0 +1,108 @@
+"""The codes of a scene's materials, made or read from the store.
+
+What is measured is encoded, and so is every glossy model that no texture reaches into. A matt
+material is its own formula. One with textures of its reflectances or its roughness is too, since a
+code cannot tell what of it a texture would change; a measured one's multiplies all of it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.brdf import measured
+from engine.brdf.acquisition import of_material
+from engine.brdf.base import SPECULAR, Material
+from engine.brdf.diffuse import Diffuse
+from engine.brdf.measured import Measured
+from engine.brdf.table import INDEX
+from engine.brdf.wavelet.analysis import Grid
+from engine.brdf.wavelet.encoding import Encoded
+from engine.brdf.wavelet.tabulate import Source
+from engine.methods.base import Progress
+from engine.methods.wavelet_brdf.settings import Settings
+from engine.scene.scene import MaterialTable, Scene
+from engine.scene.surface import NORMAL_MAP
+from engine.scene.tables import changed_table
+from engine.store import Store
+
+NAME = "wavelet_brdf"
+VERSION = 1  # of the stored codes and of what they mean
+
+
+@dataclass(frozen=True, eq=False)
+class Codes:
+    """Materials as this method draws them.
+
+    table  those of the scene, with rows of `measured` where there is a code
+    each   the codes; None where a material is its own formula
+    """
+
+    table: MaterialTable
+    each: tuple[Encoded | None, ...]
+
+
+def codes_of(
+    scene: Scene,
+    materials: Sequence[Material],
+    settings: Settings,
+    store: Store,
+    used: Sequence[int],
+    progress: Progress,
+) -> Codes:
+    """Codes of materials that stand in the scene; of those not in `used` none is made."""
+    table = changed_table(scene.material_table, materials)
+    each: list[Encoded | None] = [None] * len(materials)
+    for k, m in enumerate(used):
+        progress("codes", k, len(used))
+        if has_code(materials[m], table, m):
+            each[m] = _code(materials[m], table.row[m], settings, store)
+    progress("codes", len(used), len(used))
+    model, row = table.model.copy(), table.row.copy()
+    for m, code in enumerate(each):
+        if code is not None:
+            model[m] = INDEX[Measured]
+            colour = row[m, SPECULAR : SPECULAR + 3].copy()
+            row[m] = 0
+            row[m, SPECULAR : SPECULAR + 3] = colour if isinstance(materials[m], Measured) else 1.0
+            measured.fill(row[m], code)
+    return Codes(table._replace(model=model, row=row), tuple(each))
+
+
+def has_code(material: Material, table: MaterialTable, m: int) -> bool:
+    """Whether a material is encoded; see above."""
+    if isinstance(material, Measured):
+        return True
+    return not isinstance(material, Diffuse) and bool((table.maps[m, :NORMAL_MAP] < 0).all())
+
+
+def _code(
+    material: Material, row: NDArray[np.float32], settings: Settings, store: Store
+) -> Encoded:
+    digest = hashlib.blake2b(digest_size=16)
+    target = settings.target
+    for part in (VERSION, INDEX[type(material)], settings.bits, asdict(target)):
+        digest.update(f"{part}\n".encode())
+    # The colour that multiplies a measured material is none of its code's.
+    known = row.copy()
+    if isinstance(material, Measured):
+        known[SPECULAR : SPECULAR + 3] = 1
+    digest.update(known.data)
+    entry = store.entry(f"{NAME}-{digest.hexdigest()}")
+    stored = entry.read("code")
+    if stored is not None:
+        grid = Grid(**stored.meta["grid"])
+        return Encoded(stored.arrays["data"], grid, **stored.meta["quality"])
+    code = measured.encoded(source_of(material), settings.bits, target)
+    quality = {name: getattr(code, name) for name in ("error", "worst", "light", "kept")}
+    entry.write("code", {"data": code.data}, {"grid": asdict(code.grid), "quality": quality})
+    return code
+
+
+def source_of(material: Material) -> Source:
+    """What a material is encoded from."""
+    return material.measurement() if isinstance(material, Measured) else of_material(material)

@@ -1,0 +1,67 @@
+"""How well the codes fit, and what users are told."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from engine.brdf.base import Material
+from engine.brdf.diffuse import Diffuse
+from engine.brdf.measured import Measured
+from engine.brdf.wavelet import layout
+from engine.brdf.wavelet.layout import block
+from engine.diagnosis import Diagnosis
+from engine.methods.base import MaterialFit
+from engine.methods.wavelet_brdf.codes import Codes
+from engine.scene.scene import Scene
+
+OFF = 0.05  # mean relative error of a code: less is not worth a warning
+
+
+def fits_of(scene: Scene, codes: Codes, used: Sequence[int]) -> tuple[MaterialFit, ...]:
+    """Of the materials in use; a formula is exact."""
+    found = []
+    for m in used:
+        code = codes.each[m]
+        if code is None:
+            found.append(MaterialFit(scene.material_names[m], 1, 3, 0.0))
+            continue
+        channels = int(block(code.data).header[layout.CHANNELS])
+        found.append(
+            MaterialFit(scene.material_names[m], code.tiles, channels, code.error, code.bytes)
+        )
+    return tuple(found)
+
+
+def said_of(
+    scene: Scene, materials: Sequence[Material], codes: Codes, used: Sequence[int]
+) -> Iterator[Diagnosis]:
+    """What all frames of a scene come with."""
+    if scene.environment is not None:
+        yield Diagnosis(
+            "environment_left_out",
+            "This method reflects the light of lamps alone: the environment is seen behind, but "
+            "does not shine. glossy_prt carries its light, direct_to_indirect that of both.",
+        )
+    for m in used:
+        code, name = codes.each[m], scene.material_names[m]
+        material = materials[m]
+        if isinstance(material, Measured):
+            yield from _of_measurement(name, material)
+        if code is not None and code.error > OFF:
+            yield Diagnosis(
+                "code_too_small",
+                f"The code of {name!r} is {100 * code.error:.0f} % off its samples on average: "
+                "set a smaller error, or more bytes.",
+                code.error,
+            )
+        if code is None and not isinstance(material, Diffuse):
+            yield Diagnosis(
+                "drawn_by_formula",
+                f"{name!r} has textures of what its formula is made of, so it is drawn by that, at "
+                "the finest detail: highlights may sparkle from afar.",
+            )
+
+
+def _of_measurement(name: str, material: Measured) -> Iterator[Diagnosis]:
+    for said in material.measurement().report.diagnoses():
+        yield Diagnosis(said.code, f"{name!r}: {said.message}", said.size)

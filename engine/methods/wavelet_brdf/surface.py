@@ -1,0 +1,60 @@
+"""What a camera sees, as points to be lit: found once for a camera, its materials and levels."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from engine.backend.cpu.penumbra import alike_neighbours
+from engine.methods.fixed_view.frame_buffer import (
+    FrameBuffer,
+    Points,
+    describe_hits,
+    no_points,
+    pixel_phase,
+)
+from engine.methods.free_view import Seen, look
+from engine.methods.wavelet_brdf import levels
+from engine.methods.wavelet_brdf.codes import Codes
+from engine.methods.wavelet_brdf.settings import Settings
+from engine.numerics.parallel import for_ranges
+from engine.scene.camera import Camera
+from engine.scene.scene import Scene
+
+
+def buffer_of(
+    scene: Scene, camera: Camera, scale: int, codes: Codes, settings: Settings
+) -> FrameBuffer:
+    """What every scale-th pixel of every scale-th row shows, with levels in the rows of codes.
+
+    It is a picture of its own, of a camera with so many pixels less.
+    """
+    view = look(scene, camera, scale)
+    height, width = view.shape
+    spread = scale * 2 * np.tan(np.radians(camera.fov_y_degrees) / 2) / camera.height
+    centre, sub = (_points(scene, codes, seen) for seen in (view.centre, view.sub))
+    centre.size[:] = spread * view.centre.distance
+    sub.size[:] = spread / 2 * view.sub.distance
+    centre.phase[:] = pixel_phase(width, height)
+    sub.phase[:] = np.tile(np.arange(4, dtype=np.uint8), len(view.edge))
+    if settings.detail == "distance":
+        factor = settings.alpha / scene.diagonal
+        for points in (centre, sub):
+            levels.set_by_distance(points, camera.position, factor, codes.each)
+    elif settings.detail == "footprint":
+        levels.set_by_footprint(centre, width, codes.each)
+        levels.copy_from(centre.take(np.repeat(view.edge, 4)), sub)
+    alike = alike_neighbours(centre.position, centre.normal, centre.object, centre.matt, width)
+    pixels = camera.model_copy(update={"width": width, "height": height})
+    donors = np.repeat(view.edge, 4)
+    return FrameBuffer(pixels, centre, view.edge, sub, donors, float(spread), alike)
+
+
+def _points(scene: Scene, codes: Codes, seen: Seen) -> Points:
+    points = no_points(len(seen.triangle))
+    points.view[:] = -seen.away
+    for_ranges(
+        describe_hits, len(points), scene.geometry, codes.table, seen.triangle, seen.b1, seen.b2,
+        points.view, points.position, points.normal, points.geometric, points.model, points.row,
+        points.object, points.material,
+    )  # fmt: skip
+    return points
