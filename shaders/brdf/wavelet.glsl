@@ -9,7 +9,7 @@ layout(std430) readonly buffer b_library { uint words[]; };
 // Places in a block's header, and what they may say.
 const int SYMMETRY = 0, THETA_BITS = 1, PHI_BITS = 2, ACROSS = 3, DOWN = 4, CHANNELS = 5;
 const int SCHEDULE = 6, ROOT = 7, RANGES = 8, THETA_RATIOS = 9, PHI_RATIOS = 10;
-const int THETA_SHARES = 11, PHI_SHARES = 12, MAP = 13, FIRST_TILE = 14, FLOOR = 15;
+const int THETA_SHARES = 11, PHI_SHARES = 12, MAP = 13, FIRST_ROW = 14, FIRST_TILE = 15, FLOOR = 16;
 const int GENERAL = 0, ORTHOTROPIC = 1, ISOTROPIC = 2;
 const int TILE = 8;
 
@@ -80,7 +80,9 @@ vec3 odds(int a, int node, int depth, float ratio, PlaneTaps taps)
 {
     ivec2 tile = taps.first / TILE, within = taps.first % TILE;
     ivec2 tiles = (ivec2(int_at(a, ACROSS), int_at(a, DOWN)) + TILE - 1) / TILE;
-    int number = half_at(a, int_at(a, MAP) + ((node - 1) * tiles.y + tile.y) * tiles.x + tile.x);
+    int row = half_at(a, int_at(a, MAP) + node - 1), number = 0;
+    if (row > 0)
+        number = half_at(a, int_at(a, FIRST_ROW) + ((row - 1) * tiles.y + tile.y) * tiles.x + tile.x);
     if (number == 0)
         return vec3(ratio);
     int channels = int_at(a, CHANNELS), rows = int_at(a, DOWN) > 1 ? TILE + 1 : 1;

@@ -30,6 +30,7 @@ STEPS = 127  # of a coefficient, to either side of 0
 SCALES = 255  # of a tile, the largest
 GREY = 1e-5  # by which channels may differ in their ratios and still be one
 NOTHING = 1e-6  # of a coefficient: less is rounding
+MOST_TILES = 0xFFFF  # that two octets can tell apart from each other and from none
 HALVINGS = 12
 
 
@@ -78,7 +79,7 @@ class Encoded:
     def tiles(self) -> int:
         """Tiles that are stored; those that are equal are once."""
         views = layout.block(self.data)
-        first, last = views.header[layout.MAP], views.header[layout.FIRST_TILE] // 2
+        first, last = views.header[layout.FIRST_ROW], views.header[layout.FIRST_TILE] // 2
         return int(views.words[first:last].max(initial=0))
 
 
@@ -109,25 +110,38 @@ def encode(values: NDArray[np.floating], grid: Grid, target: Target = DEFAULT) -
     share = np.multiply.outer(*grid.weights)[..., None, None, None] * arriving
     all_light = float((values * share).sum())
 
-    def errors(count: int) -> tuple[float, float, float]:
+    def found(count: int) -> tuple[float, float, Array]:
+        """Both errors, and the relative one of each sample."""
         some = np.where(kept(count)[..., None, None, None], coarse, 0)
-        found = synthesise(mean, _joined(some, ratios.shape), grid)
-        off = np.abs(np.maximum(found - floor, 0) - values)
+        value = synthesise(mean, _joined(some, ratios.shape), grid)
+        off = np.abs(np.maximum(value - floor, 0) - values)
         relative = off / (values + floor)
         light = float((off * share).sum()) / (2 * all_light) if all_light > 0 else 0.0
-        return float(relative.mean()), float(np.quantile(relative, 0.99)), light
+        return float(relative.mean()), light, relative
 
-    count = heavy
+    count = min(heavy, MOST_TILES)
     if target.bytes is not None:
-        fixed = len(_laid_out(grid, floor, mean, ranges, scales, codes, kept(0)))
-        if fixed > target.bytes:
-            raise InputError(f"the least is {fixed} bytes, not {target.bytes}", field="bytes")
-        count = min(count, (target.bytes - fixed) // (1 + codes[0, 0, 0].nbytes))
+        most, fixed = (
+            target.bytes,
+            len(_laid_out(grid, floor, mean, ranges, scales, codes, kept(0))),
+        )
+        if fixed > most:
+            raise InputError(f"the least is {fixed} bytes, not {most}", field="bytes")
+        row, tile = 2 * kept(0)[0].size, 1 + codes[0, 0, 0].nbytes
+
+        def is_beyond(k: int) -> bool:
+            rows = int(kept(k).any(axis=(1, 2)).sum())
+            return fixed + rows * row + k * tile > most
+
+        while is_beyond(count):
+            count = min(count - 1, _least(count, is_beyond) - 1)
     elif target.error is not None:
         bound = target.error
-        count = _least(count, lambda k: max(errors(k)[::2]) <= bound)
+        count = _least(count, lambda k: max(found(k)[:2]) <= bound)
     data = _laid_out(grid, floor, mean, ranges, scales, codes, kept(count))
-    return Encoded(data, grid, *errors(count), count / len(order))
+    error, light, relative = found(count)
+    worst = float(np.quantile(relative, 0.99))
+    return Encoded(data, grid, error, worst, light, count / len(order))
 
 
 def _depths(nodes: int) -> NDArray[np.int64]:
@@ -191,7 +205,7 @@ def _by_weight(tiles: Array, bright: Array) -> tuple[NDArray[np.int64], int]:
 
 
 def _least(most: int, holds: Callable[[int], bool]) -> int:
-    """The least count up to `most` from which on something holds; `most` where it never does."""
+    """A count up to `most` from which on something holds, about the least; `most` if none is."""
     low, high = 0, most
     for _ in range(HALVINGS):
         if high - low <= 1:
@@ -235,16 +249,21 @@ def _laid_out(
     some = some.reshape(len(some), int(np.prod(codes.shape[3:])))
     some = np.concatenate([scales[kept][:, None], some], axis=1)
     stored, which = np.unique(some, axis=0, return_inverse=True)
-    if len(stored) > 0xFFFE:
-        raise InputError(f"{len(stored)} tiles are more than {0xFFFE}", field="bytes")
     numbers = np.zeros(kept.shape, np.uint16)
     numbers[kept] = which.ravel() + 1
+    filled = kept.any(axis=(1, 2))
+    filling = numbers[filled].reshape(-1, kept[0].size)
+    rows, row = np.unique(filling, axis=0, return_inverse=True)
+    nodes = np.zeros(len(kept), np.uint16)
+    nodes[filled] = row.ravel() + 1
     header[layout.MAP] = 2 * size
-    header[layout.FIRST_TILE] = 4 * size + numbers.nbytes
+    header[layout.FIRST_ROW] = 2 * size + len(nodes)
+    header[layout.FIRST_TILE] = 4 * size + nodes.nbytes + rows.nbytes
     header[layout.SYMMETRY], header[layout.THETA_BITS] = grid.symmetry, grid.theta_bits
     header[layout.PHI_BITS], header[layout.ACROSS] = grid.phi_bits, grid.across
     header[layout.DOWN], header[layout.CHANNELS] = grid.down, codes.shape[-1]
-    data = [*(f.view(np.uint8) for f in floats), numbers.ravel().view(np.uint8), stored.ravel()]
+    arrays: list[NDArray[Any]] = [*floats, nodes, rows.ravel(), stored.ravel()]
+    data = [part.view(np.uint8) for part in arrays]
     # Whole words, and room to read four octets at the last.
     room = -sum(map(len, data)) % 4 + 4
     return np.concatenate([*data, np.zeros(room, np.uint8)])

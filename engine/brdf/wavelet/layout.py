@@ -1,8 +1,9 @@
 """How an encoded BRDF lies in memory: one block of bytes, read alike by kernels, shaders and files.
 
-    header   16 int32: what is where
+    header   HEADER int32: what is where
     floats   float32: root, ranges, ratios of θ, of φ, shares of θ, of φ, floor; int32: schedule
-    map      uint16 (nodes, tiles across · tiles down): which tile; 0 is all zero and not stored
+    map      uint16 (nodes,): which row; 0 is all zero and not stored
+    rows     uint16 (rows, tiles across · tiles down), from row 1 on: which tile; 0 is all zero
     tiles    uint8 (tiles, 1 + rows · (TILE + 1) · channels), from tile 1 on: scale, then codes
 
 A *node* is a place of the binary tree over outgoing directions, numbered as in a heap: 1 is the
@@ -23,18 +24,18 @@ TILE = 8
 GENERAL, ORTHOTROPIC, ISOTROPIC = 0, 1, 2
 SYMMETRIES = ("general", "orthotropic", "isotropic")
 
-HEADER = 16
+HEADER = 18
 (
     SYMMETRY, THETA_BITS, PHI_BITS, ACROSS, DOWN, CHANNELS, SCHEDULE, ROOT, RANGES, THETA_RATIOS,
-    PHI_RATIOS, THETA_SHARES, PHI_SHARES, MAP, FIRST_TILE, FLOOR,
+    PHI_RATIOS, THETA_SHARES, PHI_SHARES, MAP, FIRST_ROW, FIRST_TILE, FLOOR, _,
 ) = range(HEADER)  # fmt: skip
 
 
 class Block(NamedTuple):
     """The block as numbers of each kind; kernels make it from an address.
 
-    header  (16,) int32     places of the floats and of SCHEDULE are counted in floats, of MAP in
-                            uint16, of FIRST_TILE in bytes, all from the start of the block
+    header  (HEADER,) int32 places of the floats and of SCHEDULE are counted in floats, of MAP and
+                            FIRST_ROW in uint16, of FIRST_TILE in bytes, from the block's start
     floats  (n,) float32    the block
     words   (n,) uint16
     octets  (n,) uint8

@@ -20,6 +20,7 @@ from engine.brdf.wavelet.layout import (
     ACROSS,
     CHANNELS,
     DOWN,
+    FIRST_ROW,
     FIRST_TILE,
     FLOOR,
     GENERAL,
@@ -264,7 +265,9 @@ def halve(a, node, depth, ratio, second, taps, places, reflected):
     ratio is that of the weights of the second half and the first.
     """
     tile, tiles, octets, first = places
-    number = np.int64(uint16_at(a, int32_at(a, MAP) + (node - 1) * tiles + tile))
+    row, number = np.int64(uint16_at(a, int32_at(a, MAP) + node - 1)), 0
+    if row > 0:
+        number = np.int64(uint16_at(a, int32_at(a, FIRST_ROW) + (row - 1) * tiles + tile))
     p = COUNT * depth
     if number == 0:
         part = (ratio if second else ONE) / (ONE + ratio)
