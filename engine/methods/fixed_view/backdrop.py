@@ -45,8 +45,9 @@ class Backdrop:
 
 def _emission(scene: Scene, points: Points) -> NDArray[np.float32]:
     out = np.zeros((len(points), 3), np.float32)
-    hit = points.model >= 0
-    out[hit] = scene.material_table.emission[points.material[hit]]
+    if scene.material_table.emission.any():
+        hit = points.model >= 0
+        out[hit] = scene.material_table.emission[points.material[hit]]
     return out
 
 

@@ -10,7 +10,7 @@ that falls in a crack between triangles speaks for nobody.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import combinations
 
 import numpy as np
@@ -70,15 +70,23 @@ class Points:
     @cached_property
     def matt(self) -> NDArray[np.bool_]:
         """(n,) bool: whether it is a surface without gloss; see `brdf.base.is_matt`."""
-        return (self.model >= 0) & (self.row[:, SPECULAR : SPECULAR + 3].max(axis=1) <= 0)
+        gloss = self.row[:, SPECULAR : SPECULAR + 3]
+        return (self.model >= 0) & (gloss[:, 0] <= 0) & (gloss[:, 1] <= 0) & (gloss[:, 2] <= 0)
 
     def take(self, index: NDArray[np.integer] | slice) -> Points:
         """The points of an index array or slice."""
         return Points(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
 
 
-def no_points(n: int) -> Points:
-    """n points that hit nothing, to be filled in."""
+def no_points(n: int, room: Points | None = None) -> Points:
+    """n points that hit nothing, to be filled in; in the place of others if there are as many."""
+    if room is not None and len(room) == n:
+        room.__dict__.pop("matt", None)
+        for name in ("model", "object", "material"):
+            getattr(room, name).fill(-1)
+        for name in ("position", "normal", "geometric"):
+            getattr(room, name).fill(0)
+        return room
     return Points(
         position=np.zeros((n, 3), np.float32),
         normal=np.zeros((n, 3), np.float32),
@@ -165,10 +173,11 @@ def build(scene: Scene) -> FrameBuffer:
     return FrameBuffer(camera, centre, pixel, sub, donor, float(spread), alike)
 
 
+@lru_cache(8)
 def pixel_phase(width: int, height: int) -> NDArray[np.uint8]:
     """(height x width,) uint8: the phases of pixels, 0 to 15 in every block of 4 x 4.
 
-    The lower two bits tell the pixels of a block of 2 x 2 apart.
+    The lower two bits tell the pixels of a block of 2 x 2 apart. Not to be written into.
     """
     y, x = np.divmod(np.arange(width * height), width)
     return (x % 2 + 2 * (y % 2) + 4 * (x // 2 % 2) + 8 * (y // 2 % 2)).astype(np.uint8)

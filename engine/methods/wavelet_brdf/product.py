@@ -135,7 +135,9 @@ class Wavelets:
         seen = self._seen
         known = seen is not None and (seen.camera, seen.scale) == (camera, scale)
         if seen is None or not known or seen.codes is not codes:
-            buffer = buffer_of(self.scene, camera, scale, codes, self._settings)
+            room = None if seen is None else seen.view.buffer
+            self._seen = None  # whose points make room for the new ones
+            buffer = buffer_of(self.scene, camera, scale, codes, self._settings, room)
             lit = self._lit.with_camera(buffer.camera)
             seen = _Seen(camera, scale, codes, View(_with_table(lit, codes), buffer))
         if device is not None and seen.on_gl is None:

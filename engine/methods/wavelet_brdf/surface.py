@@ -22,16 +22,23 @@ from engine.scene.scene import Scene
 
 
 def buffer_of(
-    scene: Scene, camera: Camera, scale: int, codes: Codes, settings: Settings
+    scene: Scene,
+    camera: Camera,
+    scale: int,
+    codes: Codes,
+    settings: Settings,
+    room: FrameBuffer | None = None,
 ) -> FrameBuffer:
     """What every scale-th pixel of every scale-th row shows, with levels in the rows of codes.
 
-    It is a picture of its own, of a camera with so many pixels less.
+    It is a picture of its own, of a camera with so many pixels less. `room` is another one of the
+    same size that is not needed any more: fresh memory costs as much as what is written into it.
     """
     view = look(scene, camera, scale)
     height, width = view.shape
     spread = scale * 2 * np.tan(np.radians(camera.fov_y_degrees) / 2) / camera.height
-    centre, sub = (_points(scene, codes, seen) for seen in (view.centre, view.sub))
+    centre = _points(scene, codes, view.centre, None if room is None else room.centre)
+    sub = _points(scene, codes, view.sub)
     centre.size[:] = spread * view.centre.distance
     sub.size[:] = spread / 2 * view.sub.distance
     centre.phase[:] = pixel_phase(width, height)
@@ -49,8 +56,8 @@ def buffer_of(
     return FrameBuffer(pixels, centre, view.edge, sub, donors, float(spread), alike)
 
 
-def _points(scene: Scene, codes: Codes, seen: Seen) -> Points:
-    points = no_points(len(seen.triangle))
+def _points(scene: Scene, codes: Codes, seen: Seen, room: Points | None = None) -> Points:
+    points = no_points(len(seen.triangle), room)
     points.view[:] = -seen.away
     for_ranges(
         describe_hits, len(points), scene.geometry, codes.table, seen.triangle, seen.b1, seen.b2,
