@@ -54,9 +54,13 @@ def hemispherical_albedo(
     # With s = sin² θ the cosine weight is even, so Gauss-Legendre points in s do.
     nodes, weights = np.polynomial.legendre.leggauss(12)
     s = 0.5 * (nodes + 1.0)
-    # Azimuth matters to anisotropic models alone, which are even about both axes of their grain.
+    # Azimuth matters to anisotropic models alone. Most are even about both axes of their grain, so
+    # that one quarter tells of all; what was measured may not be, so each angle has another quarter.
     turns = 4 if parameters[:, GRAIN:].any() else 1
-    phi = np.tile((np.arange(turns) + 0.5) * np.pi / (2 * turns), len(s))
+    phi = (np.arange(turns) + 0.5) * np.pi / (2 * turns)
+    phi = np.tile(
+        np.where(np.arange(turns) % 2, -phi, phi) + np.pi * (np.arange(turns) > 1), len(s)
+    )
     s, weights = np.repeat(s, turns), np.repeat(weights / turns, turns)
     wo = np.stack([np.sqrt(s) * np.cos(phi), np.sqrt(s) * np.sin(phi), np.sqrt(1.0 - s)], axis=1)
     k = len(wo)

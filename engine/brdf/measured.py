@@ -97,7 +97,8 @@ def _read(file: str, folder: Path) -> Measurement:
     try:
         return _in_file(path, path.stat().st_mtime_ns)
     except InputError as error:
-        raise SceneError(error.message, field="file", file=file) from None
+        where = f"{error.field}: " if error.field else ""
+        raise SceneError(f"{where}{error.message}", field="file", file=file) from None
 
 
 # Whatever is measured may be a model of the table, which holds this module too: hence the imports.

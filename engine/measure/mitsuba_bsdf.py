@@ -1,6 +1,7 @@
 """A material for Mitsuba 3: its own plugin where there is one, else the nearest.
 
-Lobes become facets of the same width, isotropic ones. `mitsuba_scene.differences` tells of it.
+Lobes become facets of the same width, isotropic ones, and what was measured is matt, since Mitsuba
+has no table of such values. `mitsuba_scene.differences` tells of it.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.brdf.albedo import hemispherical_albedo
 from engine.brdf.ashikhmin_shirley import AshikhminShirley
 from engine.brdf.base import EXTRA, Material
 from engine.brdf.blinn_phong import BlinnPhong
@@ -20,7 +22,9 @@ from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
 from engine.brdf.half_angle_curve import HalfAngleCurve
 from engine.brdf.lafortune import Lafortune
+from engine.brdf.measured import Measured
 from engine.brdf.poulin_fournier import PoulinFournier
+from engine.brdf.table import INDEX
 from engine.brdf.ward import MIN_ALPHA, Ward
 from engine.scene.description import TEXTURE_SLOTS
 from engine.scene.scene import Scene
@@ -44,8 +48,15 @@ def mitsuba_bsdf(scene: Scene, index: int, material: Material) -> Node:
     facets = "beckmann" if isinstance(material, CookTorrance | Ward) else "ggx"
     base = _texture(scene, index, row[:3])
     specular = row[3:6]
-    if isinstance(material, Diffuse) or not specular.any():
-        inner: Node = {"type": "diffuse", "reflectance": base}
+    if isinstance(material, Measured):
+        # Under even light as bright as ours.
+        reflected = hemispherical_albedo(INDEX[Measured], row)[0].astype(np.float32)
+        inner: Node = {
+            "type": "diffuse",
+            "reflectance": _texture(scene, index, reflected, slot="specular"),
+        }
+    elif isinstance(material, Diffuse) or not specular.any():
+        inner = {"type": "diffuse", "reflectance": base}
     elif not isinstance(material, Ggx | CookTorrance) and _alpha(material) > WIDE:
         inner = {"type": "diffuse", "reflectance": _texture(scene, index, row[:3], specular)}
     elif specular.max() > DIELECTRIC:
@@ -114,11 +125,15 @@ def _sharpest(material: Lafortune) -> float:
 
 
 def _texture(
-    scene: Scene, index: int, constant: NDArray[np.float32], more: NDArray[np.float32] | float = 0.0
+    scene: Scene,
+    index: int,
+    constant: NDArray[np.float32],
+    more: NDArray[np.float32] | float = 0.0,
+    slot: str = "diffuse",
 ) -> Node:
-    """The diffuse reflectance of a material, a colour or an image times that colour, and more."""
+    """A reflectance of a material, a colour or an image times that colour, and more."""
     table = scene.material_table
-    q = table.maps[index, TEXTURE_SLOTS.index("diffuse")]
+    q = table.maps[index, TEXTURE_SLOTS.index(slot)]
     # Mitsuba takes no reflectance above 1.
     if q < 0:
         return rgb(np.minimum(1, constant + more))

@@ -17,6 +17,7 @@ import numpy as np
 
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
+from engine.brdf.measured import Measured
 from engine.errors import InputError
 from engine.light.area import AreaLight
 from engine.light.base import Light
@@ -69,7 +70,9 @@ def differences(scene: Scene) -> list[str]:
             (0, 0, 0),
             (1, 1, 1),
         )
-        if not isinstance(material, Diffuse) and not white_metal:
+        if isinstance(material, Measured):
+            found.append(f"{name!r} was measured and is matt, of the same albedo under even light")
+        elif not isinstance(material, Diffuse) and not white_metal:
             found.append(f"{name!r} has another Fresnel term, or another lobe of the same width")
     for light in scene.lights:
         if light.enabled and isinstance(light, SpotLight) and light.penumbra_degrees > 0:

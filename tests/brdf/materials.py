@@ -12,6 +12,7 @@ from engine.brdf.ashikhmin_shirley import AshikhminShirley
 from engine.brdf.cook_torrance import CookTorrance
 from engine.brdf.ggx import Ggx
 from engine.brdf.half_angle_curve import NODES, WEIGHTS, HalfAngleCurve
+from engine.brdf.measured import BUILT_IN, Measured
 from engine.brdf.published import PUBLISHED
 from engine.brdf.table import INDEX, MODELS
 
@@ -64,7 +65,8 @@ def name_of(material: Material) -> str:
     if published:
         return published[0].replace(" ", "-")
     given = material.model_dump(exclude_defaults=True)
-    parts = [f"{k}={v[0] if isinstance(v, tuple) else v:g}" for k, v in given.items()]
+    plain = {k: v[0] if isinstance(v, tuple) else v for k, v in given.items()}
+    parts = [v if isinstance(v, str) else f"{k}={v:g}" for k, v in plain.items()]
     return "-".join([material.model_dump()["type"], *parts])
 
 
@@ -85,6 +87,8 @@ def spike(node: int, cover: float = 1.0, **fields: Any) -> HalfAngleCurve:
 EXTREMES = [
     *(m for description in MODELS for m in extremes(description)),
     *PUBLISHED.values(),
+    # The default is isotropic, these are mirrored along their grain.
+    *(Measured(file=name) for name in BUILT_IN[1:]),
     *(spike(node, diffuse=BLACK, specular=(0.9,) * 3) for node in (5, 9, 14)),
     spike(0, cover=0),
     spike(11, cover=0.4),

@@ -17,6 +17,7 @@ from brdf.materials import (
 from pydantic import TypeAdapter, ValidationError
 
 from engine.brdf import AnyMaterial, Material, albedo, evaluate, pdf, sample
+from engine.brdf.measured import Measured
 from engine.brdf.table import INDEX, MODELS
 from engine.brdf.ward import Ward
 
@@ -28,7 +29,11 @@ every_model = pytest.mark.parametrize("description", MODELS, ids=lambda d: d.__n
 
 @every_material
 def test_reciprocal(material: Material) -> None:
-    """f(wi, wo) = f(wo, wi)."""
+    """f(wi, wo) = f(wo, wi), of a code within its error.
+
+    A code keeps its two directions in different ways: by a tree of cells and by samples between
+    which it is bilinear. On the slopes of highlights the two are 0.4 to 0.7 of each other at worst.
+    """
     rng = np.random.default_rng(1)
     wi, wo = hemisphere(rng, 2000), hemisphere(rng, 2000)
     # Mirrored pairs too: random ones never meet a sharp lobe.
@@ -37,6 +42,13 @@ def test_reciprocal(material: Material) -> None:
     model, row = model_and_row(material)
     there, back = evaluate(model, row, wi, wo), evaluate(model, row, wo, wi)
     assert there.max() > 0
+    if isinstance(material, Measured):
+        unlike = np.abs(there - back) / (0.5 * (there + back))
+        # 0.62, 0.82 and 0.81 % were found of plastic, brushed and threads, 15, 11 and 12 %.
+        assert unlike.mean() < 0.01
+        assert np.quantile(unlike, 0.99) < 0.17
+        assert unlike.max() < 1
+        return
     np.testing.assert_allclose(there, back, rtol=1e-9, atol=1e-12)
 
 

@@ -152,6 +152,8 @@ def test_bright_material_is_told_of() -> None:
 @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.__name__)
 def test_ordinary_material_is_not(model: type[Diffuse]) -> None:
     assert albedo_diagnosis("pot", *model_and_row(model())) is None
+    if "diffuse" not in model.model_fields:
+        return
     half = model(diffuse=(0.5, 0.5, 0.5))
     assert albedo_diagnosis("pot", *model_and_row(half)) is None
 

@@ -9,13 +9,17 @@ from brdf.materials import EXTREMES, LOBES, direction, model_and_row, name_of
 from scipy.stats import chi2
 
 from engine.brdf import Material, albedo, evaluate, pdf, sample
+from engine.brdf.measured import Measured
 
 ANGLES = (0.0, 40.0, 80.0)
 TESTS = len(EXTREMES) * len(ANGLES)
 SAMPLES = 100_000
+# Samples of a code fall off from the centre of one cell to those of the next, and so do those of
+# the next: the area of one of these tents is not that of all. The chi-square test has them all.
+OF_ONE_MAP = [m for m in LOBES if not isinstance(m, Measured)]
 
 
-@pytest.mark.parametrize("material", LOBES, ids=name_of)
+@pytest.mark.parametrize("material", OF_ONE_MAP, ids=name_of)
 @pytest.mark.parametrize("angle", [5.0, 40.0, 75.0])
 def test_jacobian(material: Material, angle: float) -> None:
     """The area into which `sample` maps a small square of (u1, u2) is its area / pdf."""
@@ -54,8 +58,9 @@ def test_chi_square(material: Material, angle: float) -> None:
     lost = 1 - len(kept) / SAMPLES
     noise = 5 * np.sqrt(max(lost, 1 / SAMPLES) / SAMPLES)
     assert expected.sum() / SAMPLES + lost == pytest.approx(1, abs=noise + 2e-3)
-    # Lost light is a cell of its own; cells that expect few samples are pooled.
-    e = np.append(expected.ravel(), SAMPLES - expected.sum())
+    # Lost light is a cell of its own; cells that expect few samples are pooled. Where nothing is
+    # lost, what the grid makes of a density that ends at the horizon may be a little above 1.
+    e = np.append(expected.ravel(), max(0.0, SAMPLES - expected.sum()))
     o = np.append(observed.ravel(), SAMPLES - len(kept))
     order = np.argsort(e)
     e, o = e[order], o[order]

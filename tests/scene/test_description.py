@@ -59,6 +59,17 @@ BAD = [
         "materials.m.diffuse.texture",
         "no such file",
     ),
+    (
+        {"materials": {"m": {"type": "measured", "file": "no.brdf"}}},
+        "materials.m.file",
+        "there is no such file, and built-in materials are: plastic, brushed, threads",
+    ),
+    ({"materials": {"m": {"type": "measured", "file": ""}}}, "materials.m.file", "at least 1"),
+    (
+        {"materials": {"m": {"type": "measured", "diffuse": [1, 1, 1]}}},
+        "materials.m.diffuse",
+        "specular",
+    ),
     ({"environment": {"map": "no.exr"}}, "environment.map", "no such file"),
     ({"environment": {"intensity": -1}}, "environment.intensity", "not -1"),
     ({"objects": []}, "objects", "at least 1"),

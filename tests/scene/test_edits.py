@@ -130,6 +130,11 @@ BAD: list[tuple[Any, str, str]] = [
     ({"materials": {"white": {"type": "gg"}}}, "materials.white.type", "ggx"),
     ({"materials": {"white": {"diffuse": [2, 0, 0]}}}, "materials.white.diffuse.0", "1"),
     ({"materials": {"white": {"diffuse": {"texture": "a"}}}}, "materials.white.diffuse", "texture"),
+    (
+        {"materials": {"white": {"type": "measured", "file": "no.csv"}}},
+        "materials.white.file",
+        "built-in materials are: plastic, brushed, threads",
+    ),
     ({"camera": {"fov": 3}}, "camera.fov", "fov_y_degrees"),
     ({"camera": {"position": [NAN, 0, 0]}}, "camera.position.0", "finite"),
     ({"camera": {"target": [0.278, 0.273, -0.8]}}, "camera", "same point"),
