@@ -54,13 +54,12 @@ def hemispherical_albedo(
     # With s = sin² θ the cosine weight is even, so Gauss-Legendre points in s do.
     nodes, weights = np.polynomial.legendre.leggauss(12)
     s = 0.5 * (nodes + 1.0)
-    # Azimuth matters to anisotropic models alone. Most are even about both axes of their grain, so
-    # that one quarter tells of all; what was measured may not be, so each angle has another quarter.
+    # Azimuth matters to anisotropic models alone. Most are even about both axes of their grain, and
+    # one quarter tells of all; what was measured may not be, so each angle is of another quarter.
     turns = 4 if parameters[:, GRAIN:].any() else 1
-    phi = (np.arange(turns) + 0.5) * np.pi / (2 * turns)
-    phi = np.tile(
-        np.where(np.arange(turns) % 2, -phi, phi) + np.pi * (np.arange(turns) > 1), len(s)
-    )
+    quarter = np.arange(turns)
+    phi = (quarter + 0.5) * np.pi / (2 * turns)
+    phi = np.tile(np.where(quarter % 2, -phi, phi) + np.pi * (quarter > 1), len(s))
     s, weights = np.repeat(s, turns), np.repeat(weights / turns, turns)
     wo = np.stack([np.sqrt(s) * np.cos(phi), np.sqrt(s) * np.sin(phi), np.sqrt(1.0 - s)], axis=1)
     k = len(wo)
