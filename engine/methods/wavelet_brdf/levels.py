@@ -2,8 +2,9 @@
 
     distance    l = clamp(log2(α d), 0, N - 1), d from the eye in diagonals of the scene: the paper
                 derives α from the bounding volume
-    footprint   l = clamp(log2(Δ / δ), 0, N - 1), Δ by how much the directions turn from a pixel to
-                the next, δ the angle of a cell
+    footprint   l = clamp(log2(Δ / (√3 δ)), 0, N - 1), Δ by how much the directions turn from a
+                pixel to the next, δ the angle of a cell: the mean over a pixel has a variance of
+                Δ² / 12, means over cells that are bilinear have one of δ² / 4
 
 From one pixel to the next a lobe moves by twice as much as the normal does, whatever bends it: the
 curve of a surface, a normal map, or triangles that are smaller than pixels. Where the surface ends
@@ -24,6 +25,7 @@ from engine.methods.fixed_view.frame_buffer import Points
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import length, sub, vec
 
+TURN = 2.0 / math.sqrt(3.0)
 # From the finest level to the coarsest.
 COLOURS = np.array([(0, 0.1, 1), (0, 0.8, 0.8), (0.1, 0.8, 0), (1, 0.8, 0), (1, 0.05, 0)])
 
@@ -88,7 +90,7 @@ def _by_footprint(start, stop, normal, obj, material, width, count, angle, row):
         ):
             if near and obj[j] == obj[i] and material[j] == m:
                 most = max(most, length(sub(vec(normal, j), vec(normal, i))))
-        row[i, LEVEL] = _level(2.0 * most / angle[m], count[m])
+        row[i, LEVEL] = _level(TURN * most / angle[m], count[m])
 
 
 def copy_from(pixels: Points, points: Points) -> None:

@@ -69,7 +69,7 @@ def by_hand(scene: Scene, bent: NDArray[np.float64] | None = None) -> NDArray[np
     frame /= np.linalg.norm(frame, axis=1, keepdims=True)
     wi, wo = to_lamp / distance @ frame.T, -away @ frame.T
     f = evaluate(INDEX[Measured], row, wi, wo)
-    return (f * np.array(LAMP["intensity"]) * wi[:, 2:] / distance**2).reshape(y.shape + (3,))
+    return (f * np.array(LAMP["intensity"]) * wi[:, 2:] / distance**2).reshape((*y.shape, 3))
 
 
 @pytest.mark.parametrize("file", FILES)
