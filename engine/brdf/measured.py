@@ -3,8 +3,9 @@
 `engine.brdf.acquisition` reads and completes it, `engine.brdf.wavelet` encodes it (Claustres,
 Barthe, Paulin 2007). A row holds the key under which the block of the code is filed, see
 `engine.brdf.library`, and in the place of the specular reflectance a colour that multiplies it.
-At LEVEL is the level of detail, 0 for the finest; a broken one lies between two. Nothing but the
-measurement keeps its albedo below 1.
+At LEVEL is the level of detail, 0 for the finest; a broken one lies between two. Where there is a 1
+at NEAREST, values are not interpolated between directions. Nothing but the measurement keeps its
+albedo below 1.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 KEPT = 64
 KEY = EXTRA  # two places
 LEVEL = EXTRA + 2
+NEAREST = EXTRA + 3
 BUILT_IN = ("plastic", "brushed", "threads")  # see `engine.brdf.built_in`
 
 
@@ -136,13 +138,13 @@ def _in_grain(grain, w):
 
 
 @njit
-def at_level(a, wi, wo, level):
+def at_level(a, wi, wo, level, nearest=False):
     """Between two levels where it is broken (§5.4.1); `a` is the address of a block."""
     coarse = min(int(level), levels(a) - 1)
-    r, g, b = synthesise(a, wi, wo, coarse)
+    r, g, b = synthesise(a, wi, wo, coarse, nearest)
     part = level - coarse
     if part > 0.0 and coarse < levels(a) - 1:
-        there = synthesise(a, wi, wo, coarse + 1)
+        there = synthesise(a, wi, wo, coarse + 1, nearest)
         r, g, b = r + part * (there[0] - r), g + part * (there[1] - g), b + part * (there[2] - b)
     return r, g, b
 
@@ -168,7 +170,7 @@ def _evaluate(row, ix, iy, iz, ox, oy, oz, found):
     f = ZERO, ZERO, ZERO
     if a != 0:
         wi, wo = _in_grain(grain, (ix, iy, iz)), _in_grain(grain, (ox, oy, oz))
-        f = at_level(a, wi, wo, float32_at(row, LEVEL))
+        f = at_level(a, wi, wo, float32_at(row, LEVEL), float32_at(row, NEAREST) != ZERO)
     _write(found, f[0], f[1], f[2])
 
 

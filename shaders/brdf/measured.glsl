@@ -23,9 +23,10 @@ vec3 evaluate_measured(float p[BRDF_ROW], vec3 wi, vec3 wo)
     }
     int coarsest = min(int_at(a, THETA_BITS), int_at(a, PHI_BITS)) - 1;
     int level = min(int(p[9]), coarsest);
-    vec3 f = synthesise(a, wi, wo, level);
+    bool nearest = p[10] != 0.0;
+    vec3 f = synthesise(a, wi, wo, level, nearest);
     float part = p[9] - float(level);
     if (part > 0.0 && level < coarsest)
-        f = mix(f, synthesise(a, wi, wo, level + 1), part);
+        f = mix(f, synthesise(a, wi, wo, level + 1, nearest), part);
     return specular_colour(p) * f;
 }

@@ -115,7 +115,8 @@ vec3 descended(int a, PlaneTaps taps, ivec2 leaf, int depth)
 }
 
 // BRDF in 1/sr for directions above the surface, at a whole level; 0 is the finest.
-vec3 synthesise(int a, vec3 wi, vec3 wo, int level)
+// With `nearest` that of the sample and the cell that are nearest.
+vec3 synthesise(int a, vec3 wi, vec3 wo, int level, bool nearest)
 {
     vec3 plane = wi, tree = wo;
     int symmetry = int_at(a, SYMMETRY);
@@ -132,17 +133,25 @@ vec3 synthesise(int a, vec3 wi, vec3 wo, int level)
     vec2 uv = tangent_coordinates(tree);
     uv *= vec2(symmetry == ORTHOTROPIC ? 2.0 : 1.0, symmetry == GENERAL ? 1.0 : 2.0);
     ivec2 bits = ivec2(int_at(a, THETA_BITS), int_at(a, PHI_BITS)) - level, cells = ivec2(1) << bits;
-    vec2 x = uv * vec2(cells) - 0.5, low = floor(x), f = x - low;
+    vec2 x = uv * vec2(cells) - 0.5;
+    if (nearest)
+        x = clamp(floor(x + 0.5), vec2(0.0), vec2(cells - 1));
+    vec2 low = floor(x), f = x - low;
     vec3 sum = vec3(0.0);
     for (int corner = 0; corner < 4; corner++) {
-        ivec2 step = ivec2(corner & 1, corner >> 1), at = ivec2(low) + step;
-        vec2 w = mix(1.0 - f, f, vec2(step));
+        ivec2 next = ivec2(corner & 1, corner >> 1), at = ivec2(low) + next;
+        vec2 w = mix(1.0 - f, f, vec2(next));
+        if (w.x * w.y <= 0.0)
+            continue;
         // Beyond an edge lies the mirror image, or nothing.
         vec3 image = plane;
         if (symmetry == ORTHOTROPIC)
             image.xy *= mix(vec2(1.0), vec2(-1.0), equal(at, cells));
         at = clamp(at, ivec2(0), cells - 1);
-        vec3 cell = descended(a, plane_taps(a, image), at << level, bits.x + bits.y);
+        PlaneTaps taps = plane_taps(a, image);
+        if (nearest)
+            taps.f = step(0.5, taps.f);
+        vec3 cell = descended(a, taps, at << level, bits.x + bits.y);
         ivec2 interval = cells + at;
         float share = float_at(a, int_at(a, THETA_SHARES) + interval.x)
             * float_at(a, int_at(a, PHI_SHARES) + interval.y);

@@ -169,10 +169,13 @@ def tree_place(a, tree, level):
 
 
 @njit(error_model="numpy", fastmath={"contract"})
-def synthesise(a, wi, wo, level):
-    """BRDF (3) in sr⁻¹ for directions above the surface, at a whole level; 0 is the finest."""
+def synthesise(a, wi, wo, level, nearest=False):
+    """BRDF (3) in sr⁻¹ for directions above the surface, at a whole level; 0 is the finest.
+
+    With `nearest` it is that of the sample and the cell that are nearest.
+    """
     plane, tree = turned(a, wi, wo)
-    r, g, b = around(a, plane, tree, level, True)
+    r, g, b = around(a, plane, tree, level, True, nearest)
     floor = int32_at(a, FLOOR)
     return (
         max(ZERO, r - float32_at(a, floor)),
@@ -182,7 +185,7 @@ def synthesise(a, wi, wo, level):
 
 
 @contracted
-def around(a, plane, tree, level, per_share):
+def around(a, plane, tree, level, per_share, nearest=False):
     """Bilinear between four cells of a level: what each reflects, or that per share of the tree's
     projected solid angle, which is the mean BRDF in it. The floor is included.
 
@@ -192,12 +195,15 @@ def around(a, plane, tree, level, per_share):
     columns = 1 << (int32_at(a, THETA_BITS) - level)
     rows = 1 << (int32_at(a, PHI_BITS) - level)
     depth = int32_at(a, THETA_BITS) + int32_at(a, PHI_BITS) - 2 * level
+    taps = plane_taps(a, plane)
+    if nearest:
+        x, y = _centre_by(x, columns), _centre_by(y, rows)
+        taps = taps[0], taps[1], ONE if taps[2] >= 0.5 else ZERO, ONE if taps[3] >= 0.5 else ZERO
     i, j = math.floor(x), math.floor(y)
     fx, fy = np.float32(x - i), np.float32(y - j)
     mirrors = int32_at(a, SYMMETRY) == ORTHOTROPIC
     reflected, nodes = stack_words(SCRATCH), stack_words(NODES)
     store_int(nodes, 0, np.int32(1))
-    taps = plane_taps(a, plane)
     red, green, blue = ZERO, ZERO, ZERO
     before = (-1, -1, 0)
     for corner in range(4):
@@ -224,6 +230,12 @@ def around(a, plane, tree, level, per_share):
         blue += weight * load_float(reflected, COUNT * depth + 2)
         before = (ci, cj, seen)
     return red, green, blue
+
+
+@contracted
+def _centre_by(x, count):
+    """Of the centres 0 to count - 1 that nearest to x."""
+    return float(min(max(math.floor(x + 0.5), 0), count - 1))
 
 
 @contracted

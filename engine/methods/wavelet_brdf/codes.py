@@ -70,6 +70,7 @@ def codes_of(
             row[m] = 0
             row[m, SPECULAR : SPECULAR + 3] = colour if isinstance(materials[m], Measured) else 1.0
             measured.fill(row[m], code)
+            row[m, measured.NEAREST] = settings.filter == "nearest"
     return Codes(table._replace(model=model, row=row), tuple(each))
 
 

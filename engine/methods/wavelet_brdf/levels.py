@@ -99,6 +99,14 @@ def copy_from(pixels: Points, points: Points) -> None:
     points.row[same, LEVEL] = pixels.row[same, LEVEL]
 
 
+def at_least(points: Points, level: float, codes: tuple[Encoded | None, ...]) -> None:
+    """Make finer levels this one, or the coarsest that a code has."""
+    count, _ = cells_of(codes)
+    coded = (points.material >= 0) & (count[points.material] > 0)
+    most = np.minimum(level, count[points.material[coded]] - 1)
+    points.row[coded, LEVEL] = np.maximum(points.row[coded, LEVEL], most)
+
+
 def picture_of(points: Points, codes: tuple[Encoded | None, ...]) -> NDArray[np.float32]:
     """(n, 3): the levels in false colours, blue where all is shown, black without a code."""
     count, _ = cells_of(codes)

@@ -8,6 +8,7 @@ from engine.brdf.wavelet.encoding import Target
 from engine.errors import InputError
 
 DETAILS = ("distance", "footprint", "finest")
+FILTERS = ("bilinear", "nearest")
 SHOWN = ("radiance", "levels")
 
 
@@ -36,6 +37,12 @@ class Settings:
     """α: the finest level is shown up to 1/α diagonals of the scene, and twice as far the next one:
     0 to 1000 (§5.4.1)."""
 
+    level: float = 0.0
+    """No finer level than this one is shown: 0, the finest, to 5 (table 2)."""
+
+    filter: str = "bilinear"
+    """Between directions values are `bilinear`, or that of the `nearest` (§5.4.2)."""
+
     shadows: bool = True
     """Whether what stands before a light hides it, found by a ray for every pixel and light."""
 
@@ -45,13 +52,18 @@ class Settings:
     def __post_init__(self) -> None:
         if self.cells not in (8, 16, 32, 64):
             raise InputError(f"{self.cells} is none of 8, 16, 32, 64", field="cells")
-        for name, low, high in (("error", 1e-4, 1), ("floor", 1e-9, 1), ("alpha", 0, 1000)):
+        for name, low, high in (
+            ("error", 1e-4, 1),
+            ("floor", 1e-9, 1),
+            ("alpha", 0, 1000),
+            ("level", 0, 5),
+        ):
             value = getattr(self, name)
             if not low <= value <= high:
                 raise InputError(f"{value} is not between {low} and {high}", field=name)
         if self.bytes != 0 and not 1000 <= self.bytes <= 1 << 28:
             raise InputError(f"{self.bytes} is neither 0 nor from 1000 to {1 << 28}", field="bytes")
-        for name, known in (("detail", DETAILS), ("show", SHOWN)):
+        for name, known in (("detail", DETAILS), ("filter", FILTERS), ("show", SHOWN)):
             if getattr(self, name) not in known:
                 words = ", ".join(known)
                 raise InputError(f"{getattr(self, name)!r} is none of {words}", field=name)

@@ -50,6 +50,8 @@ def buffer_of(
     elif settings.detail == "footprint":
         levels.set_by_footprint(centre, width, codes.each)
         levels.copy_from(centre.take(np.repeat(view.edge, 4)), sub)
+    for points in (centre, sub):
+        levels.at_least(points, settings.level, codes.each)
     alike = alike_neighbours(centre.position, centre.normal, centre.object, centre.matt, width)
     pixels = camera.model_copy(update={"width": width, "height": height})
     donors = np.repeat(view.edge, 4)
