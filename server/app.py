@@ -13,7 +13,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from engine.errors import RelightError
 from engine.resources import resource
-from server import problems
+from server import measured_routes, problems
 from server.origin import LOOPBACK, OwnPageOnly
 from server.precompute import run_in_process
 from server.routes import router
@@ -21,7 +21,8 @@ from server.service import Precompute, Service
 from server.stage import stages
 
 MAX_BODY = 1 << 20
-MAPS, MAX_MAP = "/api/maps", 1 << 27
+MAX_MAP, MAX_MEASURED = 1 << 27, 1 << 26
+MAX_FILE = {"/api/maps": MAX_MAP, "/api/measured": MAX_MEASURED}
 
 # The page needs nothing but itself: images come as blobs over the live socket.
 POLICY = (
@@ -62,6 +63,7 @@ def create_app(
     app.state.service = service
     problems.install(app)
     app.include_router(router)
+    app.include_router(measured_routes.router)
     app.mount("/", StaticFiles(directory=resource("web"), html=True))
     app.add_middleware(Limits)
     app.add_middleware(OwnPageOnly, names=names)
@@ -77,7 +79,7 @@ def _start_default(service: Service) -> None:
 
 
 class Limits:
-    """Refuse bodies over MAX_BODY bytes, or MAX_MAP; send the page's security policy along."""
+    """Refuse bodies over MAX_BODY bytes, or MAX_FILE; send the page's security policy along."""
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
@@ -87,7 +89,7 @@ class Limits:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        most = MAX_MAP if scope["path"] == MAPS else MAX_BODY
+        most = MAX_FILE.get(scope["path"], MAX_BODY)
         error = problems.TooLarge(f"the body is over {most} bytes")
         length = dict(scope["headers"]).get(b"content-length", b"0")
         if not length.isdigit() or int(length) > most:

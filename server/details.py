@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from engine.brdf.as_curve import as_curve
 from engine.brdf.base import Material
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.layers import LAYERS
+from engine.brdf.measured import Measured
 from engine.brdf.published import DARK, METALS, PLASTICS, PUBLISHED
 from engine.brdf.table import INDEX, MODELS
 from engine.errors import NotFound
@@ -22,6 +24,7 @@ from engine.light.sky import Sky
 from engine.light.table import LIGHTS
 from engine.light.thumbnail import thumbnail
 from engine.methods import METHODS
+from engine.methods.base import MaterialFit, Method
 from engine.scene.edits import Edits, edited_environment
 from engine.scene.pick import material_at
 from server.stage import Stage
@@ -30,6 +33,7 @@ from server.wire import (
     JobState,
     MapSummary,
     MaterialDetail,
+    MeasuredSummary,
     MethodState,
     Notice,
     Picked,
@@ -37,7 +41,12 @@ from server.wire import (
 )
 
 
-def scene_detail(stage: Stage, uploads: list[MapSummary], job: JobState | None) -> SceneDetail:
+def scene_detail(
+    stage: Stage,
+    uploads: list[MapSummary],
+    measured: list[MeasuredSummary],
+    job: JobState | None,
+) -> SceneDetail:
     """Everything the page needs to know about a scene; opens it. The job is at its product."""
     scene = stage.scene()
     own = scene.environment
@@ -58,6 +67,7 @@ def scene_detail(stage: Stage, uploads: list[MapSummary], job: JobState | None) 
         materials=list(scene.material_names),
         material_types=material_types(),
         material_presets=material_presets(),
+        measured=measured,
         objects=list(scene.object_names),
         triangles=len(scene.geometry.triangles),
         methods=method_states(stage),
@@ -76,6 +86,12 @@ def method_states(stage: Stage) -> list[MethodState]:
                 name=method.name,
                 paper=method.paper,
                 edits=sorted(method.edits),
+                models=models(method),
+                settings={
+                    name: value
+                    for name, value in asdict(method.settings()).items()
+                    if name in method.run_time
+                },
                 ready=product is not None,
                 bytes=product.bytes if product is not None else 0,
             )
@@ -89,9 +105,15 @@ def light_types() -> dict[str, dict[str, Any]]:
 
 
 def material_types() -> dict[str, dict[str, Any]]:
-    """The JSON schema of every kind of material that is edited at once, by its `type`."""
-    able = [kind for kind in MODELS if LAYERS[INDEX[kind]] is not None]
-    return {kind.model_fields["type"].default: kind.model_json_schema() for kind in able}
+    """The JSON schema of every kind of material, by its `type`."""
+    return {kind.model_fields["type"].default: kind.model_json_schema() for kind in MODELS}
+
+
+def models(method: Method) -> list[str]:
+    """Types of material that edits may choose: all, or those that `LAYERS` can cut."""
+    free = method.refitted is not None
+    able = [kind for kind in MODELS if free or LAYERS[INDEX[kind]] is not None]
+    return [kind.model_fields["type"].default for kind in able]
 
 
 def material_presets() -> dict[str, dict[str, dict[str, Any]]]:
@@ -108,19 +130,35 @@ def material_presets() -> dict[str, dict[str, dict[str, Any]]]:
     }
 
 
-def material_details(stage: Stage, edits: Edits, method: str) -> list[MaterialDetail]:
-    """The materials under the edits, and how the method models those that something is made of."""
+def material_details(
+    stage: Stage, edits: Edits, method: str, name_of: Callable[[str], str]
+) -> list[MaterialDetail]:
+    """The materials under the edits, and how the method models those that something is made of.
+
+    name_of  what edits call a file
+    """
     scene = stage.with_materials(edits.materials)
     product = stage.product(stage.camera(edits), method, edits.materials)
-    fits = {fit.name: asdict(fit) for fit in product.fits} if product is not None else {}
+    found: tuple[MaterialFit, ...] = product.fits if product is not None else ()
+    refitted = METHODS[method].refitted
+    if product is not None and refitted is not None and edits.materials:
+        found = refitted(product, scene.materials)
+    fits = {fit.name: asdict(fit) for fit in found}
     return [
         MaterialDetail(
             **{"name": name, **fits.get(name, {})},
-            description=material.model_dump(),
+            description=_described(material, name_of),
             curve=as_curve(material).model_dump(),
         )
         for name, material in zip(scene.material_names, scene.materials, strict=True)
     ]
+
+
+def _described(material: Material, name_of: Callable[[str], str]) -> dict[str, Any]:
+    described = material.model_dump()
+    if isinstance(material, Measured):
+        described["file"] = name_of(material.file)
+    return described
 
 
 def picked(stage: Stage, edits: Edits, x: float, y: float) -> Picked:

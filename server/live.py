@@ -16,7 +16,6 @@ from pydantic import TypeAdapter, ValidationError
 
 from engine.errors import Cancelled, InputError
 from engine.methods.interrupt import interruptible
-from server.maps import located
 from server.problems import describe, invalid
 from server.service import Service, with_job
 from server.stage import Stage
@@ -89,6 +88,8 @@ class Session:
             seq = self._edit.seq if self._edit else -1
             try:
                 await asyncio.to_thread(self.stage.scene)
+                if self._edit is not None:
+                    await self.service.acquire(self.stage, self._edit.edits)
                 drawn = await self.service.worker.run(self._draw)
             except Cancelled:
                 self._stopped = True
@@ -116,13 +117,14 @@ class Session:
         if edit.scale == 1:
             self._job = self.service.look(self.stage, edit.edits, self.id, edit.method)
         order = Order(
-            edits=located(edit.edits, self.stage, self.service.uploads),
+            edits=self.service.located(edit.edits, self.stage),
             exposure=edit.exposure,
             scale=edit.scale,
             format=edit.format,
             quality=edit.quality,
             seq=edit.seq,
             method=edit.method,
+            settings=edit.settings,
         )
         # Once in a row, so that a client who asks for nothing but whole pictures gets some.
         may_stop, self._stopped = not self._stopped, False

@@ -10,11 +10,11 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from pathlib import PurePath
-from typing import Any
+from typing import Any, TypeVar
 
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
 from starlette.exceptions import HTTPException
 
 from engine.errors import (
@@ -27,6 +27,8 @@ from engine.errors import (
     StoreError,
 )
 from server.wire import Problem
+
+T = TypeVar("T")
 
 log = logging.getLogger("relight.server")
 
@@ -83,6 +85,16 @@ def invalid(error: ValidationError | RequestValidationError, skip: Sequence[str]
     while path and path[0] in skip:
         path.pop(0)
     return EditError(str(first["msg"]), field=".".join(path))
+
+
+def in_json(kind: TypeAdapter[T], text: str, field: str) -> T:
+    """What a text of a query holds; EditError, with the path of the field, where it is not that."""
+    try:
+        return kind.validate_json(text)
+    except ValidationError as error:
+        found = invalid(error)
+        path = ".".join(part for part in (field, found.field) if part)
+        raise EditError(found.message, field=path) from None
 
 
 def describe(error: Exception) -> Problem:

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Body, Header, Query, Request, Response, WebSocket
 from fastapi.responses import StreamingResponse
+from pydantic import TypeAdapter
 
 from engine.errors import NotFound
 from engine.images import encode
 from engine.scene.edits import Edits
 from server.accept import MEDIA_TYPES, negotiate
-from server.details import map_thumbnail, material_details, picked
+from server.details import map_thumbnail, picked
 from server.live import Session
 from server.maps import located
-from server.problems import describe
+from server.problems import describe, in_json
 from server.service import Service
 from server.stage import METHOD
 from server.wire import (
@@ -37,13 +38,12 @@ from server.wire import (
 from server.worker import Order
 
 HEARTBEAT_SECONDS = 15.0
+SETTINGS = TypeAdapter(dict[str, Any])
 
-router = APIRouter(
-    responses={
-        status: {"model": Problem, "content": {"application/problem+json": {}}}
-        for status in (404, 422)
-    }
-)
+PROBLEMS: dict[int | str, dict[str, Any]] = {
+    status: {"model": Problem, "content": {"application/problem+json": {}}} for status in (404, 422)
+}
+router = APIRouter(responses=PROBLEMS)
 
 
 def service_of(request: Request | WebSocket) -> Service:
@@ -99,6 +99,7 @@ async def frame(
     scale: Annotated[Scale, Query()] = 1,
     quality: Annotated[Quality, Query()] = 90,
     method: Annotated[str, Query()] = METHOD,
+    settings: Annotated[str, Query(description="in JSON, see MethodState")] = "{}",
     accept: Annotated[str, Header()] = "*/*",
 ) -> Response:
     """The scene under the edits, as an image; OpenEXR is linear and ignores the exposure."""
@@ -106,12 +107,13 @@ async def frame(
     stage = service.stages.get(scene)
     media_type, image_format = negotiate(accept)
     order = Order(
-        edits=located(edits, stage, service.uploads),
+        edits=service.located(edits, stage),
         exposure=exposure,
         scale=scale,
         format=image_format,
         quality=quality,
         method=method,
+        settings=in_json(SETTINGS, settings, "settings"),
     )
     drawn = await service.frame(stage, order, watcher=f"http {scene}")
     timing = ", ".join(f"{name};dur={ms}" for name, ms in drawn.header.timings.items())
@@ -161,8 +163,11 @@ async def materials(
     method: Annotated[str, Query()] = METHOD,
 ) -> list[MaterialDetail]:
     """The materials under the edits; how the method models them, once its product is there."""
-    stage = service_of(request).stages.get(scene)
-    return await asyncio.to_thread(material_details, stage, edits, method)
+    service = service_of(request)
+    stage = service.stages.get(scene)
+    await asyncio.to_thread(stage.scene)
+    await service.acquire(stage, edits)
+    return await asyncio.to_thread(service.materials, stage, edits, method)
 
 
 @router.post("/api/scenes/{scene}/pick")

@@ -12,12 +12,15 @@ from engine.methods.base import Progress
 from engine.scene.camera import Camera
 from engine.scene.edits import Edits
 from engine.store import Store
-from server.details import scene_detail
+from server import maps, measured
+from server.details import material_details, scene_detail
 from server.jobs import API, Jobs
 from server.maps import Uploads
+from server.measured import Samples
 from server.precompute import Materials, Task, run_in_process, settings_of
+from server.reader import Reader
 from server.stage import HELD, METHOD, Stage, Stages
-from server.wire import JobState, PrecomputeRequest, SceneDetail
+from server.wire import JobState, MaterialDetail, PrecomputeRequest, SceneDetail
 from server.worker import Drawn, Order, Worker, draw
 
 Precompute = Callable[[Task, Progress], None]
@@ -40,12 +43,15 @@ class Service:
         self.settings = dict(settings or {})
         self.worker = Worker()
         self.jobs = Jobs(self._work)
+        self.reader = Reader()
         self.uploads = Uploads(Store().root / "maps")
+        self.samples = Samples(Store().root / "measured")
         self._precompute = precompute
 
     def close(self) -> None:
-        """Stop the jobs and the render thread."""
+        """Stop the jobs and the threads."""
         self.jobs.close()
+        self.reader.close()
         self.worker.close()
 
     def _work(self, task: Task, progress: Progress) -> None:
@@ -76,9 +82,20 @@ class Service:
                 return refused
         return self.jobs.start(task, watcher)
 
+    def located(self, edits: Edits, stage: Stage) -> Edits:
+        """Edits from outside, with the files that they name where they are. Raises EditError."""
+        return measured.located(maps.located(edits, stage, self.uploads), stage, self.samples)
+
+    async def acquire(self, stage: Stage, edits: Edits) -> None:
+        """Have what is measured of edits from outside read, so that no frame waits for it."""
+        if edits.materials:
+            found = measured.located(edits, stage, self.samples)
+            await self.reader.read(stage, found.materials)
+
     async def frame(self, stage: Stage, order: Order, watcher: str) -> Drawn:
         """Draw one frame, for a client that waits for this very one."""
         await asyncio.to_thread(stage.scene)
+        await self.reader.read(stage, order.edits.materials)
         job = None
         if order.scale == 1:
             job = self.look(stage, order.edits, watcher, order.method)
@@ -96,7 +113,7 @@ class Service:
                 field=f"edits.{min(others)}",
             )
         settings_of(request.method, request.settings)
-        materials = request.edits.materials or {}
+        materials = measured.located(request.edits, stage, self.samples).materials or {}
         stage.with_materials(materials)
         camera = stage.camera(request.edits)
         task = self.task(stage, camera, request.method, request.settings, materials)
@@ -110,7 +127,9 @@ class Service:
         settings: Mapping[str, Any] | None = None,
         materials: Materials | None = None,
     ) -> Task:
-        """What to precompute for a view."""
+        """What to precompute for a view; a product that any camera may use is one for all."""
+        if "camera" in EDITS.get(method, ()):
+            camera = stage.scene().camera
         return Task(
             scene=stage.name,
             source=stage.source,
@@ -123,7 +142,13 @@ class Service:
     def detail(self, stage: Stage) -> SceneDetail:
         """Everything the page needs to know about a scene; opens it."""
         job = self.jobs.active(self.task(stage, stage.scene().camera))
-        return scene_detail(stage, self.uploads.all(), job)
+        choices = measured.choices(stage, self.samples)
+        return scene_detail(stage, self.uploads.all(), choices, job)
+
+    def materials(self, stage: Stage, edits: Edits, method: str) -> list[MaterialDetail]:
+        """The materials under edits from outside, with files as edits call them."""
+        edits = measured.located(edits, stage, self.samples)
+        return material_details(stage, edits, method, self.samples.name_of)
 
 
 def with_job(drawn: Drawn, job: JobState | None) -> Drawn:

@@ -8,13 +8,14 @@ been precomputed for them.
 
 from __future__ import annotations
 
+import json
 import re
 import threading
 from collections import OrderedDict
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path, PurePath
-from typing import Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from engine.errors import EditNotSupported, NotFound
 from engine.methods import METHODS
@@ -24,15 +25,17 @@ from engine.scene.camera import Camera
 from engine.scene.edits import Edits, apply, edited_camera
 from engine.scene.open import open_scene, scenes
 from engine.scene.scene import Scene
-from server.precompute import Key, Materials, Task, key_of
+from server.precompute import Key, Materials, Task, key_of, settings_of
 
 Name = TypeVar("Name")
 Value = TypeVar("Value")
 
 METHOD = "direct_to_indirect"
 KEPT_PRODUCTS = 4
+KEPT_TUNED = 4
 KEPT_PREVIEWS = 3
-MAP_FILES, MOST_MAPS = {".hdr", ".exr"}, 100
+MAP_FILES, MEASURED_FILES = {".hdr", ".exr"}, {".brdf", ".binary", ".csv"}
+MOST_FILES = 100
 CAMERA = frozenset({"camera"})
 HELD = CAMERA | {"materials"}  # what products may be made for
 
@@ -40,8 +43,8 @@ HELD = CAMERA | {"materials"}  # what products may be made for
 class View(NamedTuple):
     """What draws a frame: `scale` is left for it to apply; `method` names it to the user.
 
-    `made_for` are the keys of the edits that it was made for, and takes none of. A preview shows
-    the scene's own materials whatever is made of them.
+    `made_for` are the keys of the edits that it was made for, and takes none of. A preview of a
+    method that takes edits of materials shows the scene's own, unless it has lamps alone.
     """
 
     renderer: Product | DirectPreview
@@ -88,6 +91,7 @@ class Stage:
         self._lock = threading.Lock()
         self._scene: Scene | None = None
         self._products: Recent[Key, Product] = Recent(KEPT_PRODUCTS)
+        self._tuned: Recent[tuple[str, Any], tuple[Product, Product]] = Recent(KEPT_TUNED)
         self._previews: Recent[str, DirectPreview] = Recent(KEPT_PREVIEWS)
 
     def scene(self) -> Scene:
@@ -107,20 +111,31 @@ class Stage:
 
     def maps(self) -> list[str]:
         """Names of the environment maps in the scene's folder; a built-in scene has none."""
-        if self.source in scenes():
-            return []
-        names = sorted(path.name for path in Path(self.source).parent.iterdir())
-        return [name for name in names if self.has_map(name)][:MOST_MAPS]
+        return self._files(MAP_FILES)
 
     def has_map(self, name: str) -> bool:
         """Whether a map of that name lies in the scene's folder itself."""
+        return self._has_file(name, MAP_FILES)
+
+    def measured(self) -> list[str]:
+        """The same of measured materials."""
+        return self._files(MEASURED_FILES)
+
+    def has_measured(self, name: str) -> bool:
+        """The same of measured materials."""
+        return self._has_file(name, MEASURED_FILES)
+
+    def _files(self, kinds: set[str]) -> list[str]:
+        if self.source in scenes():
+            return []
+        names = sorted(path.name for path in Path(self.source).parent.iterdir())
+        return [name for name in names if self._has_file(name, kinds)][:MOST_FILES]
+
+    def _has_file(self, name: str, kinds: set[str]) -> bool:
+        if self.source in scenes() or PurePath(name).name != name or "\0" in name:
+            return False
         path = Path(self.source).parent / name
-        return (
-            self.source not in scenes()
-            and path.suffix.lower() in MAP_FILES
-            and PurePath(name).name == name
-            and path.is_file()
-        )
+        return path.suffix.lower() in kinds and path.is_file()
 
     def product(
         self, camera: Camera, method: str = METHOD, materials: Materials | None = None
@@ -138,12 +153,16 @@ class Stage:
         scale: int,
         method: str = METHOD,
         materials: Materials | None = None,
+        settings: Mapping[str, Any] | None = None,
     ) -> View:
-        """The best there is for this camera.
+        """The best there is for this camera; `settings` are some of the method's `run_time`.
 
-        Raises EditNotSupported for materials that the method holds fixed and has no product for.
+        Raises EditNotSupported for materials that the method holds fixed and has no product for,
+        or for settings that are not taken any more.
         """
         product = self._products.use(_key(camera, method, materials))
+        if settings:
+            product = self._retuned(product, method, settings)
         if product is not None:
             return View(product, scale, product.method, HELD - EDITS[method])
         if materials and "materials" not in EDITS[method]:
@@ -151,7 +170,10 @@ class Stage:
                 f"{method} holds materials fixed: have it precomputed with these first",
                 field="materials",
             )
-        key = camera.model_dump_json()
+        lamps_alone = METHODS[method].lamps_alone
+        scene = self.with_materials(materials) if lamps_alone else self.scene()
+        made_of = json.dumps(materials if lamps_alone else None, sort_keys=True)
+        key = f"{camera.model_dump_json()} {lamps_alone} {made_of}"
         preview = self._previews.use(key)
         if preview is not None:
             return View(preview, scale, "direct", HELD)
@@ -160,9 +182,31 @@ class Stage:
             camera = camera.model_copy(
                 update={"width": -(-camera.width // scale), "height": -(-camera.height // scale)}
             )
-        preview = DirectPreview(self.scene().with_camera(camera))
-        self._previews.keep(camera.model_dump_json(), preview)
+        preview = DirectPreview(scene.with_camera(camera), lamps_alone)
+        self._previews.keep(f"{camera.model_dump_json()} {lamps_alone} {made_of}", preview)
         return View(preview, 1, "direct", HELD)
+
+    def _retuned(
+        self, product: Product | None, method: str, settings: Mapping[str, Any]
+    ) -> Product | None:
+        """The product with other settings, made at once; those used last are kept."""
+        chosen = METHODS[method]
+        for name in sorted(settings.keys() - chosen.run_time):
+            able = ", ".join(sorted(chosen.run_time)) or "none"
+            raise EditNotSupported(
+                f"{method} takes {able} of its settings in a frame; precompute it with others",
+                field=f"settings.{name}",
+            )
+        made = asdict(product.settings) if product is not None else {}
+        wanted = settings_of(method, {**made, **settings})
+        if product is None or chosen.retuned is None or wanted == product.settings:
+            return product
+        known = self._tuned.use((method, wanted))
+        if known is not None and known[0] is product:
+            return known[1]
+        retuned = chosen.retuned(product, wanted)
+        self._tuned.keep((method, wanted), (product, retuned))
+        return retuned
 
 
 def _key(camera: Camera, method: str, materials: Materials | None) -> Key:

@@ -66,11 +66,17 @@ class SceneSummary(Wire):
 
 
 class MethodState(Wire):
-    """A method as offered for one scene; `ready` for the scene's own camera."""
+    """A method as offered for one scene; `ready` for the scene's own camera.
+
+    models    types of material that its edits of materials may choose
+    settings  those that a frame may ask for, and their defaults
+    """
 
     name: str
     paper: str
     edits: list[str]
+    models: list[str]
+    settings: dict[str, Any]
     ready: bool
     bytes: int = 0
 
@@ -82,6 +88,21 @@ class MapSummary(Wire):
     label: str
     width: int
     height: int
+
+
+class MeasuredSummary(Wire):
+    """A measured material to choose: `name` for edits, `label` for people, where it is from."""
+
+    name: str
+    label: str
+    kind: Literal["built_in", "beside", "upload"]
+
+
+class MeasuredSent(Wire):
+    """A measured material that was sent, and what its user should know of it."""
+
+    material: MeasuredSummary
+    diagnoses: list[Notice]
 
 
 class EnvironmentDetail(Wire):
@@ -103,8 +124,8 @@ class EnvironmentDetail(Wire):
 class MaterialDetail(Wire):
     """A material as it is; how the method models it once its product is there, else None.
 
-    curve                   the same as a `half_angle_curve`, for a hand to bend
-    terms, channels, error  see `engine.methods.base.MaterialFit`
+    curve                          the same as a `half_angle_curve`, for a hand to bend
+    terms, channels, error, bytes  see `engine.methods.base.MaterialFit`
     """
 
     name: str
@@ -113,6 +134,7 @@ class MaterialDetail(Wire):
     terms: int | None = None
     channels: int | None = None
     error: float | None = None
+    bytes: int | None = None
 
 
 class Picked(Wire):
@@ -124,8 +146,8 @@ class Picked(Wire):
 class SceneDetail(Wire):
     """What can be seen and edited in a scene; `light_types` has a JSON schema per type.
 
-    `material_types` the same of those that can be edited at once; `material_presets` are groups
-    of materials by name, as edits take them.
+    `material_types` the same of materials; `material_presets` are groups of materials by name, as
+    edits take them; `measured` is what a measured one may be.
     """
 
     name: str
@@ -138,6 +160,7 @@ class SceneDetail(Wire):
     materials: list[str]
     material_types: dict[str, dict[str, Any]]
     material_presets: dict[str, dict[str, dict[str, Any]]]
+    measured: list[MeasuredSummary]
     objects: list[str]
     triangles: int
     methods: list[MethodState]
@@ -188,7 +211,10 @@ class JobState(Wire):
 
 
 class LiveEdit(Wire):
-    """The whole state that the client wants to see; a newer one replaces an older one."""
+    """The whole state that the client wants to see; a newer one replaces an older one.
+
+    settings  see `MethodState`
+    """
 
     type: Literal["edit"] = "edit"
     seq: Annotated[int, Field(ge=0, lt=2**53)]
@@ -198,6 +224,7 @@ class LiveEdit(Wire):
     format: Literal["jpeg", "png", "webp"] = "jpeg"
     quality: Quality = 85
     method: str = "direct_to_indirect"
+    settings: dict[str, Any] = {}
 
 
 class LiveAck(Wire):

@@ -6,8 +6,8 @@ import asyncio
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from typing import TypeVar
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
 
 from engine.images import encode, encode_exr
 from engine.numerics.display import to_srgb8
@@ -33,6 +33,7 @@ class Order:
     quality: int
     seq: int = 0
     method: str = METHOD
+    settings: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,8 @@ def draw(stage: Stage, order: Order) -> Drawn:
     """Relight, display and encode; in the render thread alone."""
     start = time.perf_counter()
     edits = order.edits
-    view = stage.view(stage.camera(edits), order.scale, order.method, edits.materials)
+    camera = stage.camera(edits)
+    view = stage.view(camera, order.scale, order.method, edits.materials, order.settings)
     prepared = time.perf_counter()
     frame = view.relight(edits)
     relit = time.perf_counter()

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.backend.choice import Backend
+from engine.brdf.base import Material
 from engine.diagnosis import Diagnosis
 from engine.errors import EditNotSupported
 from engine.scene.edits import Edits
@@ -100,6 +101,12 @@ class Method:
     settings    frozen dataclass; its defaults are the paper's values
     precompute  (scene, settings, executor, progress, store) -> Product; chunks of work land in the
                 store as they finish
+    lamps_alone whether environments do not shine and nothing is reflected twice
+    run_time    names of settings that a product takes later too
+    retuned     (product, settings) -> the same with other settings of `run_time`; it shares the
+                transport
+    refitted    (product, materials) -> its fits where the scene is made of these; a method whose
+                products take edits of materials may have it
     """
 
     name: str
@@ -107,6 +114,10 @@ class Method:
     edits: frozenset[str]
     settings: type
     precompute: Callable[[Scene, Any, Executor, Progress, Store], Product]
+    lamps_alone: bool = False
+    run_time: frozenset[str] = frozenset()
+    retuned: Callable[[Any, Any], Product] | None = None
+    refitted: Callable[[Any, tuple[Material, ...]], tuple[MaterialFit, ...]] | None = None
 
 
 # Which method takes which edit: said to the user by the method that does not.

@@ -24,7 +24,7 @@ from engine.methods.base import EDITS, Method
 from engine.methods.wavelet_brdf.codes import NAME
 from engine.methods.wavelet_brdf.precompute import precompute
 from engine.methods.wavelet_brdf.product import Wavelets
-from engine.methods.wavelet_brdf.settings import Settings
+from engine.methods.wavelet_brdf.settings import RUN_TIME, Settings
 
 METHOD = Method(
     name=NAME,
@@ -32,6 +32,10 @@ METHOD = Method(
     edits=EDITS[NAME],
     settings=Settings,
     precompute=precompute,
+    lamps_alone=True,
+    run_time=RUN_TIME,
+    retuned=Wavelets.retuned,
+    refitted=Wavelets.refitted,
 )
 
 __all__ = ["METHOD", "Settings", "Wavelets"]

@@ -82,6 +82,15 @@ class Wavelets:
         """How well the codes fit the materials that something is made of."""
         return fits_of(self.scene, self._own, self._used)
 
+    def refitted(self, materials: tuple[Material, ...]) -> tuple[MaterialFit, ...]:
+        """The same of other materials; from any thread."""
+        args = (self._settings, self._store, self._used, silent)
+        return fits_of(self.scene, codes_of(self.scene, materials, *args), self._used)
+
+    def retuned(self, settings: Settings) -> Wavelets:
+        """The same with other settings of RUN_TIME; it shares the codes."""
+        return Wavelets(self.scene, settings, self._own, self._store)
+
     def relight(self, edits: Edits, scale: int = 1, backend: Backend | None = None) -> Frame:
         """See `engine.methods.base.Product.relight`."""
         require_supported(NAME, edits)

@@ -10,6 +10,7 @@ from engine.errors import InputError
 DETAILS = ("distance", "footprint", "finest")
 FILTERS = ("bilinear", "nearest")
 SHOWN = ("radiance", "levels")
+RUN_TIME = frozenset({"detail", "alpha", "shadows", "show"})  # the codes do not depend on them
 
 
 @dataclass(frozen=True)

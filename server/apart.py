@@ -1,0 +1,59 @@
+"""Have a file that somebody sent read in a process of its own.
+
+Readers are libraries for files that mean well. Whatever a file does to one ends that process, by
+its own limits or by the service's patience, and not the service. The process writes a line of
+JSON: what it found, or {"error"} and the {"field"} that is to blame.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from typing import Any
+
+from engine.errors import InputError, RelightError
+
+SECONDS = 120.0
+MEMORY = 8 << 30  # bytes of address space
+
+
+def read_apart(module: str, *arguments: str) -> dict[str, Any]:
+    """What `python -m MODULE ARGUMENTS` reports; InputError where the file cannot be used."""
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", module, *arguments],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join([*filter(None, sys.path)])},
+            text=True,
+            timeout=SECONDS,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        raise InputError(f"it could not be read within {SECONDS:g} seconds") from None
+    with contextlib.suppress(IndexError, json.JSONDecodeError):
+        report: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+        if "error" in report:
+            raise InputError(report["error"], field=report.get("field", ""))
+        return report
+    raise InputError("it is so damaged that reading it ended the reader")
+
+
+def report_from(read: Callable[[], dict[str, Any]]) -> None:
+    """The body of such a process: limit it, read, and report."""
+    if os.name == "posix":
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    try:
+        found = read()
+    except InputError as error:
+        found = {"error": error.message, "field": error.field}
+    except (RelightError, MemoryError) as error:
+        found = {"error": str(error) or "it needs more memory than there is"}
+    print(json.dumps(found))
