@@ -9,7 +9,7 @@ import pytest
 from methods.scenes import camera, rectangle, scene, small_knot, with_camera
 
 from engine.methods.free_view import Seen
-from engine.methods.glossy_prt import view
+from engine.methods import free_view as view
 from engine.scene.scene import Scene
 
 

@@ -59,7 +59,7 @@ def energy(evaluate: Evaluate, isotropic: bool) -> Energy:
     for azimuth in (0.0,) if isotropic else AZIMUTHS_DEGREES:
         for angle in ANGLES_DEGREES:
             wo = directions(np.radians([angle]), np.radians([azimuth]))
-            wi, solid = _about_mirror(wo[0])
+            wi, solid = about_mirror(wo[0])
             weight = solid * wi[:, 2]
             albedo = weight @ evaluate(wi, np.repeat(wo, len(wi), axis=0))
             found.append((float(albedo.max()), angle, int(albedo.argmax())))
@@ -135,7 +135,7 @@ def _nearest(
     return np.reshape(distance, (-1, k)), np.reshape(index, (-1, k))
 
 
-def _about_mirror(
+def about_mirror(
     wo: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Directions (n, 3) above the surface, finer about the mirror image of wo, and their solid

@@ -25,13 +25,14 @@ from engine.brdf.wavelet.encoding import Encoded
 from engine.brdf.wavelet.tabulate import Source
 from engine.methods.base import Progress
 from engine.methods.wavelet_brdf.settings import Settings
+from engine.methods.wavelet_brdf.sharpness import Sharpness, sharpness_of
 from engine.scene.scene import MaterialTable, Scene
 from engine.scene.surface import NORMAL_MAP
 from engine.scene.tables import changed_table
 from engine.store import Store
 
 NAME = "wavelet_brdf"
-VERSION = 1  # of the stored codes and of what they mean
+VERSION = 2  # of the stored codes and of what they mean
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,10 +41,12 @@ class Codes:
 
     table  those of the scene, with rows of `measured` where there is a code
     each   the codes; None where a material is its own formula
+    sharp  how well they show highlights
     """
 
     table: MaterialTable
     each: tuple[Encoded | None, ...]
+    sharp: tuple[Sharpness | None, ...]
 
 
 def codes_of(
@@ -57,10 +60,11 @@ def codes_of(
     """Codes of materials that stand in the scene; of those not in `used` none is made."""
     table = changed_table(scene.material_table, materials)
     each: list[Encoded | None] = [None] * len(materials)
+    sharp: list[Sharpness | None] = [None] * len(materials)
     for k, m in enumerate(used):
         progress("codes", k, len(used))
         if has_code(materials[m], table, m):
-            each[m] = _code(materials[m], table.row[m], settings, store)
+            each[m], sharp[m] = _code(materials[m], table.row[m], settings, store)
     progress("codes", len(used), len(used))
     model, row = table.model.copy(), table.row.copy()
     for m, code in enumerate(each):
@@ -71,7 +75,7 @@ def codes_of(
             row[m, SPECULAR : SPECULAR + 3] = colour if isinstance(materials[m], Measured) else 1.0
             measured.fill(row[m], code)
             row[m, measured.NEAREST] = settings.filter == "nearest"
-    return Codes(table._replace(model=model, row=row), tuple(each))
+    return Codes(table._replace(model=model, row=row), tuple(each), tuple(sharp))
 
 
 def has_code(material: Material, table: MaterialTable, m: int) -> bool:
@@ -83,7 +87,7 @@ def has_code(material: Material, table: MaterialTable, m: int) -> bool:
 
 def _code(
     material: Material, row: NDArray[np.float32], settings: Settings, store: Store
-) -> Encoded:
+) -> tuple[Encoded, Sharpness]:
     digest = hashlib.blake2b(digest_size=16)
     target = settings.target
     for part in (VERSION, INDEX[type(material)], settings.bits, asdict(target)):
@@ -97,11 +101,15 @@ def _code(
     stored = entry.read("code")
     if stored is not None:
         grid = Grid(**stored.meta["grid"])
-        return Encoded(stored.arrays["data"], grid, **stored.meta["quality"])
-    code = measured.encoded(source_of(material), settings.bits, target)
+        code = Encoded(stored.arrays["data"], grid, **stored.meta["quality"])
+        return code, Sharpness(**stored.meta["sharp"])
+    source = source_of(material)
+    code = measured.encoded(source, settings.bits, target)
+    sharp = sharpness_of(source, code)
     quality = {name: getattr(code, name) for name in ("error", "worst", "light", "kept")}
-    entry.write("code", {"data": code.data}, {"grid": asdict(code.grid), "quality": quality})
-    return code
+    meta = {"grid": asdict(code.grid), "quality": quality, "sharp": asdict(sharp)}
+    entry.write("code", {"data": code.data}, meta)
+    return code, sharp
 
 
 def source_of(material: Material) -> Source:

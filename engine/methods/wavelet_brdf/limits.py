@@ -12,9 +12,12 @@ from engine.brdf.wavelet.layout import block
 from engine.diagnosis import Diagnosis
 from engine.methods.base import MaterialFit
 from engine.methods.wavelet_brdf.codes import Codes
+from engine.methods.wavelet_brdf.sharpness import Sharpness
 from engine.scene.scene import Scene
 
 OFF = 0.05  # mean relative error of a code: less is not worth a warning
+MISPLACED = 0.1  # part of the light
+LOST = 0.02  # the same
 
 
 def fits_of(scene: Scene, codes: Codes, used: Sequence[int]) -> tuple[MaterialFit, ...]:
@@ -43,7 +46,7 @@ def said_of(
             "does not shine. glossy_prt carries its light, direct_to_indirect that of both.",
         )
     for m in used:
-        code, name = codes.each[m], scene.material_names[m]
+        code, sharp, name = codes.each[m], codes.sharp[m], scene.material_names[m]
         material = materials[m]
         if isinstance(material, Measured):
             yield from _of_measurement(name, material)
@@ -54,12 +57,25 @@ def said_of(
                 "set a smaller error, or more bytes.",
                 code.error,
             )
+        if sharp is not None and sharp.misplaced > MISPLACED and code.error <= OFF:
+            yield _narrow(name, sharp)
         if code is None and not isinstance(material, Diffuse):
             yield Diagnosis(
                 "drawn_by_formula",
                 f"{name!r} has textures of what its formula is made of, so it is drawn by that, at "
                 "the finest detail: highlights may sparkle from afar.",
             )
+
+
+def _narrow(name: str, sharp: Sharpness) -> Diagnosis:
+    lost = f", {1 - sharp.light:.0%} of it nowhere" if sharp.light < 1 - LOST else ""
+    return Diagnosis(
+        "lobe_narrower_than_cells",
+        f"Highlights of {name!r} are narrower than the cells of its code: at their brightest they "
+        f"have {sharp.peak:.1%} of what they should, and up to {sharp.misplaced:.0%} of the light "
+        f"goes elsewhere{lost}. Set more cells.",
+        sharp.misplaced,
+    )
 
 
 def _of_measurement(name: str, material: Measured) -> Iterator[Diagnosis]:
