@@ -57,7 +57,7 @@ def said_of(
                 "set a smaller error, or more bytes.",
                 code.error,
             )
-        if sharp is not None and sharp.misplaced > MISPLACED and code.error <= OFF:
+        elif sharp is not None and sharp.misplaced > MISPLACED:
             yield _narrow(name, sharp)
         if code is None and not isinstance(material, Diffuse):
             yield Diagnosis(
