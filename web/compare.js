@@ -9,8 +9,8 @@ export class Compare {
   #held = false;
   #kept = ""; // what the picture before shows
 
-  // canvas has the picture of the edits, before another one; ask({edits, exposure, method}) resolves
-  // to a picture.
+  // canvas has the picture of the edits, before another one; ask({edits, exposure, method,
+  // settings}) resolves to a picture.
   constructor(state, { button, canvas, before }, ask) {
     Object.assign(this, { state, button, canvas, before, ask });
     button.addEventListener("pointerdown", (event) => this.#hold(event.button === 0));
@@ -43,8 +43,8 @@ export class Compare {
   #wanted() {
     const { state, canvas } = this;
     const { materials: _, ...edits } = state.edits();
-    const { exposure, method, scene } = state;
-    return { edits, exposure, method, scene: scene.name, drawn: canvas.dataset.method };
+    const { exposure, method, settings, scene } = state;
+    return { edits, exposure, method, settings, scene: scene.name, drawn: canvas.dataset.method };
   }
 
   #take(picture, kept) {

@@ -1,6 +1,7 @@
 // The page: wires state, picture, handles, panels and the live socket together.
 
 import { Compare } from "./compare.js";
+import { Detail } from "./detail.js";
 import { EnvironmentPanel } from "./environment.js";
 import { Handles } from "./handles.js";
 import { History } from "./history.js";
@@ -12,7 +13,7 @@ import { Panel } from "./panel.js";
 import { Picking } from "./picking.js";
 import { Requests } from "./requests.js";
 import { State } from "./state.js";
-import { Status } from "./status.js";
+import { Status, told } from "./status.js";
 
 const find = (id) => document.getElementById(id);
 const canvas = find("canvas");
@@ -23,6 +24,7 @@ const METHODS = {
   direct_to_indirect: ["Lights", "drag the lamps; the camera stands still"],
   glossy_prt: ["Camera and sky", "turn the view and the environment"],
   brdf_editing: ["Materials", "change what things are made of, and the lamps; the camera stands still"],
+  wavelet_brdf: ["Measured", "measured materials: the view, the lamps, which material; no indirect light"],
 };
 
 const state = new State();
@@ -45,7 +47,7 @@ const environment = new EnvironmentPanel(
     box: find("environment"), pad: find("pad"), map: find("environment-map"),
     file: find("map-file"), open: find("map-open"), reset: find("environment-reset"),
   },
-  { picture: mapPicture, send: sendMap },
+  { picture: mapPicture, send: (file) => sendFile("maps", file) },
 );
 const materials = new Materials(
   state,
@@ -58,8 +60,13 @@ const editor = new MaterialEditor(
     part: find("editor-part"), list: find("editor-list"), box: find("editor"),
     reset: find("editor-reset"),
   },
-  call,
+  { call, thumbnail, sendMeasured: (file) => sendFile("measured", file) },
 );
+const detail = new Detail(state, {
+  part: find("distance-part"), far: find("distance"), farValue: find("distance-value"),
+  near: find("near"), away: find("far"), detailPart: find("detail-part"), detail: find("detail"),
+  levels: find("levels"), legend: find("legend"), hint: find("detail-hint"),
+});
 const picking = new Picking(state, find("picture"), (x, y) => editor.pick(x, y));
 const compare = new Compare(
   state, { button: find("compare"), canvas, before: find("before") }, ownPicture,
@@ -70,6 +77,7 @@ const orbit = new Orbit(state, find("picture"), find("camera-mode"));
 state.listen((what, moving) => {
   for (const side of [panel, environment]) what === "scene" ? side.open() : side.draw();
   editor.draw();
+  detail.draw();
   handles.draw();
   if (what === "scene" || what === "method") {
     materials.leave();
@@ -78,6 +86,7 @@ state.listen((what, moving) => {
     drawMethods();
   }
   if (["scene", "method", "materials"].includes(what)) materials.refresh();
+  if (["materialEdits", "restored"].includes(what) && !moving) editor.refit();
   find("camera-reset").disabled = !state.cameraMoved;
   if (what === "exposure") drawExposure();
   if (what === "selected") return;
@@ -90,7 +99,7 @@ async function call(path, options = {}) {
   const body = await response.json();
   if (!response.ok) {
     status.problem(body);
-    throw new Error(body.detail);
+    throw new Error(told(body));
   }
   return body;
 }
@@ -118,12 +127,21 @@ function mapPicture(map) {
   return picture("environment", own ? {} : { environment: { map } });
 }
 
-function ownPicture({ edits, exposure, method }) {
-  return picture(`frame?${new URLSearchParams({ exposure, method })}`, edits);
+function ownPicture({ edits, exposure, method, settings: chosen }) {
+  const settings = JSON.stringify(chosen);
+  return picture(`frame?${new URLSearchParams({ exposure, method, settings })}`, edits);
 }
 
-function sendMap(file) {
-  const path = `api/maps?name=${encodeURIComponent(file.name.slice(-200))}`;
+async function thumbnail(material) {
+  const query = new URLSearchParams({ material: JSON.stringify(material) });
+  const path = `api/scenes/${encodeURIComponent(state.scene.name)}/materials/thumbnail?${query}`;
+  const response = await fetch(path);
+  if (!response.ok) throw new Error(told(await response.json()));
+  return response.blob();
+}
+
+function sendFile(what, file) {
+  const path = `api/${what}?name=${encodeURIComponent(file.name.slice(-200))}`;
   return call(path, { method: "POST", body: file });
 }
 
@@ -142,7 +160,10 @@ function showFrame(bitmap, header, roundTrip, cause) {
   const shift = (1 - header.scale) / 2;
   context.drawImage(bitmap, shift, shift, header.width * header.scale, header.height * header.scale);
   // What the method makes of the materials is known once its product is there.
-  if (canvas.dataset.method !== header.method) materials.refresh();
+  if (canvas.dataset.method !== header.method) {
+    materials.refresh();
+    editor.refit();
+  }
   for (const key of ["seq", "scale", "format", "method"]) canvas.dataset[key] = header[key];
   const final = requests.isFinal(header);
   canvas.dataset.state = final ? "final" : "changing";

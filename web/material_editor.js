@@ -1,23 +1,36 @@
 // Materials under the hand, for a method that takes edits of them: type, colours, sharpness.
 
-import { strength, toHex, withStrength } from "./colour.js";
+import { strength, withStrength } from "./colour.js";
 import { copyButton } from "./copy.js";
 import { curveEditor } from "./curve_editor.js";
-import { capital, colour, element, field, group, slider, words } from "./fields.js";
+import { colour, element, field, group, slider, words } from "./fields.js";
+import { Gallery } from "./gallery.js";
+import { asText, defaults, kind, madeOf, swatch } from "./material_words.js";
 import { post } from "./materials.js";
 
 const HIDDEN = new Set(["type", "emission"]);
 const SHARPEST = 1e4; // of the sliders; larger exponents are typed
+const EVEN = 20; // numbers up to this have a slider of their own, larger ones of their logarithms
+const OFF = 0.05; // mean relative error of a code that is marked, as the service warns
 
 export class MaterialEditor {
   #own = {}; // the scene's, by name
   #selected = null;
   #built = "";
   #fields = [];
+  #fits = {}; // how the method models them, by name
+  #scene = null;
 
-  // call(path, options) asks the service.
-  constructor(state, { part, list, box, reset }, call) {
+  // call(path, options) asks the service; thumbnail(material) and sendMeasured(file) see `Gallery`.
+  constructor(state, { part, list, box, reset }, { call, thumbnail, sendMeasured }) {
     Object.assign(this, { state, part, list, box, resetButton: reset, call });
+    this.gallery = new Gallery(state, {
+      ask: thumbnail,
+      send: sendMeasured,
+      choose: (material) => this.#choose(material),
+      drawn: () => this.draw(),
+    });
+    this.made = element("p", { className: "made" });
     reset.addEventListener("click", () => state.setMaterialEdits({}));
   }
 
@@ -30,9 +43,30 @@ export class MaterialEditor {
     this.#own = Object.fromEntries(found.map(({ name, description }) => [name, description]));
     if (!(this.#selected in this.#own)) this.#selected = found[0]?.name ?? null;
     this.list.replaceChildren(...found.map(({ name }) => this.#row(name)));
+    if (this.#scene !== this.state.scene) this.gallery.forget();
+    this.#scene = this.state.scene;
+    if (this.#measures) this.gallery.open(this.state.models);
+    this.#fits = {};
     this.#built = "";
     this.draw();
+    this.refit();
     this.state.hold(this.#selected);
+  }
+
+  // Whether the method takes measured materials, and codes whatever is glossy.
+  get #measures() {
+    return this.state.models.includes("measured");
+  }
+
+  // The method's product or the materials are others: what does it make of them?
+  async refit() {
+    if (this.part.hidden || !this.#measures) return;
+    const { method, materialEdits } = this.state;
+    const { materials = {} } = this.state.edits();
+    const found = await this.#ask(`materials?${new URLSearchParams({ method })}`, { materials });
+    if (!found || method !== this.state.method || materialEdits !== this.state.materialEdits) return;
+    this.#fits = Object.fromEntries(found.map((fit) => [fit.name, fit]));
+    this.draw();
   }
 
   // Take in hand what the picture shows at (x, y).
@@ -70,7 +104,9 @@ export class MaterialEditor {
     for (const row of this.list.children) {
       const material = this.#material(row.dataset.name);
       row.classList.toggle("selected", row.dataset.name === this.#selected);
-      row.querySelector(".swatch").style.background = swatch(material);
+      const url = material.type === "measured" ? this.gallery.known(material.file) : null;
+      const background = url ? `url(${url}) center / cover` : swatch(material);
+      row.querySelector(".swatch").style.background = background;
       row.querySelector(".name").setAttribute("aria-pressed", row.dataset.name === this.#selected);
       row.querySelector(".kind").textContent = kind(material.type);
     }
@@ -80,6 +116,9 @@ export class MaterialEditor {
     if (key !== this.#built) this.#build(material);
     this.#built = key;
     for (const show of this.#fields) show(material);
+    this.made.textContent = this.#measures ? madeOf(this.#fits[this.#selected]) : "";
+    this.made.classList.toggle("off", this.#fits[this.#selected]?.error > OFF);
+    this.gallery.show(material);
   }
 
   #material(name) {
@@ -120,13 +159,15 @@ export class MaterialEditor {
     const buttons = element("span", { className: "buttons" });
     buttons.append(copy, reset);
     title.append(buttons);
-    this.box.replaceChildren(title);
+    this.made.title = "Size of the wavelet code, its mean relative error, and how many tiles it has";
+    this.box.replaceChildren(title, this.made);
+    if (this.#measures) this.box.append(this.gallery.box);
     this.#kind(material);
     const { properties } = this.state.scene.material_types[material.type] ?? { properties: {} };
     for (const [property, schema] of Object.entries(properties)) {
       if (HIDDEN.has(property)) continue;
       if (schema.minItems > 3) this.#curve(property, schema);
-      else if (schema.type === "array") this.#reflectance(property, schema);
+      else if (schema.prefixItems) this.#reflectance(property, schema);
       else if (schema.type === "number") this.#number(property, schema);
       else if (schema.enum) this.#choice(property, schema);
     }
@@ -137,9 +178,9 @@ export class MaterialEditor {
     const { material_types: types, material_presets: presets } = this.state.scene;
     const known = Object.assign({}, ...Object.values(presets));
     const select = element("select", {});
-    const names = [...new Set([...Object.keys(types), type])];
+    const names = [...new Set([...this.state.models, type])];
     const option = (name) => new Option(name, `preset ${name}`);
-    const able = (members) => Object.keys(members).filter((name) => known[name].type in types);
+    const able = (members) => Object.keys(members).filter((name) => names.includes(known[name].type));
     select.append(
       group("Type", names.map((name) => new Option(kind(name), name))),
       ...Object.entries(presets).map(([label, members]) => group(label, able(members).map(option))),
@@ -159,6 +200,15 @@ export class MaterialEditor {
         select.value = name ? `preset ${name}` : now.type;
       },
     });
+  }
+
+  // From the gallery: a measured one keeps the colour that multiplies the one before.
+  #choose(material) {
+    const { emission } = this.#own[this.#selected];
+    const old = this.#material(this.#selected);
+    const start = defaults(this.state.scene.material_types[material.type]);
+    const kept = old.type === "measured" && material.type === "measured" ? { specular: old.specular } : {};
+    this.#set({ ...start, ...kept, ...material, emission }, false);
   }
 
   #add({ row, show }) {
@@ -210,8 +260,9 @@ export class MaterialEditor {
       get: (now) => now[name],
       change: (value, moving) => this.#change({ [name]: value }, moving),
     };
-    if (most <= 1) {
-      this.#add(slider(words(name), { min: least, max: most, step: 0.005 }, "", how));
+    if (most <= EVEN) {
+      const step = Math.max(0.005, (most - least) / 200);
+      this.#add(slider(words(name), { min: least, max: most, step }, "", how));
       return;
     }
     const max = Math.log10(Math.min(most, SHARPEST));
@@ -221,25 +272,4 @@ export class MaterialEditor {
       fromSlider: (place) => 10 ** place,
     }));
   }
-}
-
-const kind = (type) => (type === "ggx" ? "GGX" : capital(type.replaceAll("_", "-")));
-
-// A metal has no colour but that of its gloss.
-function swatch({ diffuse = [0.5, 0.5, 0.5], specular = [0, 0, 0] }) {
-  return toHex(strength(diffuse) > 0 ? diffuse : specular);
-}
-
-// As the materials of a scene and of edits are written, in as many digits as the engine keeps.
-function asText(materials) {
-  const short = (key, value) => {
-    if (key === "emission" && !strength(value)) return undefined;
-    return typeof value === "number" ? Number(value.toPrecision(7)) : value;
-  };
-  return JSON.stringify(materials, short, 1).replace(/\n\s*/g, " ");
-}
-
-function defaults({ properties }) {
-  const pairs = Object.entries(properties).filter(([, schema]) => schema.default !== undefined);
-  return Object.fromEntries(pairs.map(([name, schema]) => [name, schema.default]));
 }

@@ -28,7 +28,7 @@ export class Materials {
   // The scene, the method, its product or the materials are others.
   async refresh() {
     const { state } = this;
-    const shown = state.takes("camera");
+    const shown = state.takes("camera") && !state.takes("materials");
     this.part.hidden = !shown;
     if (!shown) return;
     const { scene, method } = state;

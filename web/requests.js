@@ -60,8 +60,8 @@ export class Requests {
     requestAnimationFrame(() => {
       const { request: newest, cause: oldest } = this.#due;
       this.#due = null;
-      const { exposure, method } = this.state;
-      const edit = { edits: this.state.asked(), exposure, method, format: "jpeg", ...newest };
+      const { exposure, method, settings } = this.state;
+      const edit = { edits: this.state.asked(), exposure, method, settings, format: "jpeg", ...newest };
       const seq = this.send(edit, oldest);
       if (edit.format === "png") this.#final = seq;
     });

@@ -18,13 +18,15 @@ export class State {
     this.camera = null;
     this.exposure = 0;
     this.method = "direct_to_indirect";
+    this.chosen = {}; // settings of methods, by name
     this.selected = null;
     this.edited = ""; // what the hand was at last
     this.hand = null; // the material that is picked, and will be edited next
   }
 
   // Called as listener(what, moving): what is "scene", "lights", "environment", "materials",
-  // "materialEdits", "restored" (of these), "hand", "camera", "exposure", "method" or "selected";
+  // "materialEdits", "restored" (of these), "hand", "camera", "exposure", "method", "settings" or
+  // "selected";
   // moving is true while the hand is still at it.
   listen(listener) {
     this.#listeners.push(listener);
@@ -138,9 +140,30 @@ export class State {
     this.#tell("exposure", moving);
   }
 
+  // As the service describes it.
+  get #method() {
+    return this.scene?.methods.find(({ name }) => name === this.method);
+  }
+
   // Which kinds of edit the method takes at once; see `methods` of the scene.
   takes(kind) {
-    return this.scene?.methods.find(({ name }) => name === this.method)?.edits.includes(kind);
+    return this.#method?.edits.includes(kind);
+  }
+
+  // Types of material that it takes in edits.
+  get models() {
+    return this.#method?.models ?? [];
+  }
+
+  // Settings that a frame may ask it for, as they are chosen.
+  get settings() {
+    return { ...this.#method?.settings, ...this.chosen[this.method] };
+  }
+
+  setSettings(settings) {
+    const { method } = this;
+    this.chosen = { ...this.chosen, [method]: { ...this.chosen[method], ...settings } };
+    this.#tell("settings");
   }
 
   setMethod(method) {
@@ -242,11 +265,15 @@ export class State {
       (light) => !same(light, this.scene.lights.find((old) => old.id === light.id)),
     );
     if (lights.length && this.takes("lights")) edits.lights = lights;
-    if (Object.keys(this.materialEdits).length && this.takes("materials")) {
-      edits.materials = this.materialEdits;
+    if (this.takes("materials")) {
+      const { models } = this;
+      const able = ([, { type }]) => models.includes(type);
+      const materials = Object.fromEntries(Object.entries(this.materialEdits).filter(able));
+      if (Object.keys(materials).length) edits.materials = materials;
+    } else if (Object.keys(this.materials).length && this.takes("camera")) {
+      // A method that holds the camera fixed too has not been precomputed with them.
+      edits.materials = this.materials;
     }
-    // A method that holds the camera fixed too has not been precomputed with them.
-    if (Object.keys(this.materials).length && this.takes("camera")) edits.materials = this.materials;
     if (this.environmentChanged && this.takes("environment")) edits.environment = this.#environmentEdit();
     if (this.cameraMoved) {
       const { position, target, up, fov_y_degrees } = this.camera;

@@ -5,6 +5,7 @@ const NAMES = {
   direct_to_indirect: "Direct-to-indirect transfer",
   glossy_prt: "Glossy transfer",
   brdf_editing: "Material editing",
+  wavelet_brdf: "Measured materials",
 };
 
 // What a precompute brings.
@@ -12,12 +13,14 @@ const MADE = {
   direct_to_indirect: "Indirect light",
   glossy_prt: "Glossy transport",
   brdf_editing: "Light for materials",
+  wavelet_brdf: "Material coding",
 };
 
 const PHASES = {
   bounce: "bounces between surfaces, step 1 of 2,",
   final: "light from surfaces to the picture, step 2 of 2,",
   links: "what the picture's surfaces see of others",
+  codes: "one material after the other,",
   shadows: "which parts of the lamps they see",
 };
 // Of those that end in the number of a pass and of a material.
@@ -67,8 +70,7 @@ export class Status {
 
   problem(problem) {
     const box = this.find("problem");
-    const where = [problem.file, problem.field].filter(Boolean).join(", ");
-    box.textContent = where ? `${where}: ${problem.detail}` : problem.detail;
+    box.textContent = told(problem);
     box.hidden = false;
   }
 
@@ -101,6 +103,12 @@ export class Status {
     const ended = job.status === "failed" || job.status === "cancelled";
     find("progress-action").textContent = ended ? "Compute" : "Cancel";
   }
+}
+
+// A problem as the service describes it, in a line.
+export function told({ file, field, detail }) {
+  const where = [file, field].filter(Boolean).join(", ");
+  return where ? `${where}: ${detail}` : detail;
 }
 
 function phase(name) {
