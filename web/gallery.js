@@ -5,6 +5,7 @@ import { capital, element } from "./fields.js";
 
 const HEADINGS = { built_in: "Measured", beside: "Measured", upload: "Opened" };
 const MODELS = "Models";
+const KIND = /\.(brdf|binary|csv)$/i;
 
 export class Gallery {
   #tiles = [];
@@ -72,7 +73,7 @@ export class Gallery {
   #tile(material, label) {
     const node = element("button", { type: "button", className: "tile", title: label });
     node.dataset.name = material.file ?? material.type;
-    node.append(element("span", { className: "ball" }), element("small", { textContent: label }));
+    node.append(element("span", { className: "ball" }), element("small", { textContent: label.replace(KIND, "") }));
     node.addEventListener("click", () => this.#chosen(tile));
     const tile = { material, node, label };
     this.#tiles.push(tile);

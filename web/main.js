@@ -66,6 +66,7 @@ const detail = new Detail(state, {
   part: find("distance-part"), far: find("distance"), farValue: find("distance-value"),
   near: find("near"), away: find("far"), detailPart: find("detail-part"), detail: find("detail"),
   levels: find("levels"), legend: find("legend"), hint: find("detail-hint"),
+  alpha: find("alpha"), alphaPart: find("alpha-part"), alphaValue: find("alpha-value"),
 });
 const picking = new Picking(state, find("picture"), (x, y) => editor.pick(x, y));
 const compare = new Compare(

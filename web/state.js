@@ -160,10 +160,10 @@ export class State {
     return { ...this.#method?.settings, ...this.chosen[this.method] };
   }
 
-  setSettings(settings) {
+  setSettings(settings, moving = false) {
     const { method } = this;
     this.chosen = { ...this.chosen, [method]: { ...this.chosen[method], ...settings } };
-    this.#tell("settings");
+    this.#tell("settings", moving);
   }
 
   setMethod(method) {

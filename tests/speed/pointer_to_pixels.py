@@ -1,9 +1,10 @@
 """From a pointer's move to new pixels in a real browser: median and 95th percentile.
 
     python tests/speed/pointer_to_pixels.py http://127.0.0.1:8000/ [--light key] [--seconds 10]
+    python tests/speed/pointer_to_pixels.py http://127.0.0.1:8000/ --method wavelet_brdf
     python tests/speed/pointer_to_pixels.py http://127.0.0.1:8000/ --drag camera (or environment)
 
-The second way asks for `glossy_prt` and orbits the camera, or turns the environment.
+The last way asks for `glossy_prt` and orbits the camera, or turns the environment.
 
 The page itself measures each frame, from the time stamp of the pointer event that caused it to the
 animation frame after its pixels are on the canvas (`performance.measure("pointer-to-pixels")`).
@@ -30,7 +31,11 @@ READ = """performance.getEntriesByName('pointer-to-pixels')
 
 
 def measure(
-    address: str, drag: str = "light", light: str | None = None, seconds: float = 10.0
+    address: str,
+    drag: str = "light",
+    light: str | None = None,
+    seconds: float = 10.0,
+    method: str | None = None,
 ) -> dict[str, Any]:
     """Drag in circles for some seconds; what the page measured, in milliseconds."""
     chromium = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -39,7 +44,10 @@ def measure(
         page = browser.new_page(viewport={"width": 1400, "height": 900})
         page.goto(address)
         wanted = "!['direct', undefined].includes(method)"
-        if drag != "light":
+        if method is not None:
+            page.locator(f"[data-method={method}]").click()
+            wanted = f"method === '{method}'"
+        elif drag != "light":
             page.get_by_role("radio", name="Camera and sky").click()
             wanted = "method === 'glossy_prt'"
         page.wait_for_function(
@@ -102,10 +110,9 @@ def main() -> None:
     parser.add_argument("--drag", choices=["light", "camera", "environment"], default="light")
     parser.add_argument("--light", help="id of the light to drag; the last one if not given")
     parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--method", help="to ask for; that of the page if not given")
     options = parser.parse_args()
-    json.dump(
-        measure(options.address, options.drag, options.light, options.seconds), sys.stdout, indent=1
-    )
+    json.dump(measure(**vars(options)), sys.stdout, indent=1)
     print()
 
 
