@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from methods.scenes import camera, rectangle, scene, small_knot, with_camera
 
-from engine.methods.free_view import Seen
 from engine.methods import free_view as view
+from engine.methods.free_view import Seen
 from engine.scene.scene import Scene
 
 

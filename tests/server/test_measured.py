@@ -281,4 +281,4 @@ def test_names_for_any_disk() -> None:
     assert stem_of("a b-c.csv") == "a b-c"
     assert stem_of("..\\x/y.csv") == "y"
     assert stem_of("é:*.csv") == "___"
-    assert stem_of(" .csv") == "_csv"
+    assert stem_of(" .csv") == "sample"

@@ -11,7 +11,7 @@ from engine.brdf.wavelet import layout
 from engine.brdf.wavelet.layout import block
 from engine.diagnosis import Diagnosis
 from engine.methods.base import MaterialFit
-from engine.methods.wavelet_brdf.codes import Codes
+from engine.methods.wavelet_brdf.codes import Codes, has_code
 from engine.methods.wavelet_brdf.sharpness import Sharpness
 from engine.scene.scene import Scene
 
@@ -59,7 +59,7 @@ def said_of(
             )
         elif sharp is not None and sharp.misplaced > MISPLACED:
             yield _narrow(name, sharp)
-        if code is None and not isinstance(material, Diffuse):
+        if not isinstance(material, Diffuse) and not has_code(material, codes.table, m):
             yield Diagnosis(
                 "drawn_by_formula",
                 f"{name!r} has textures of what its formula is made of, so it is drawn by that, at "

@@ -18,6 +18,7 @@ from engine.backend.gl.bvh import build_tree
 from engine.backend.gl.context import Device, gl_errors
 from engine.backend.gl.shading import Shading
 from engine.brdf.base import Material
+from engine.brdf.measured import Measured
 from engine.diagnosis import Diagnosis
 from engine.errors import BackendError
 from engine.light.base import Light
@@ -55,7 +56,9 @@ class Wavelets:
         """codes are those of the scene's materials; others that edits bring go to the store."""
         self.scene, self._settings, self._store = scene, settings, store
         self._used = np.unique(scene.geometry.material).tolist()
-        self._codes: tuple[tuple[Material, ...], Codes] = scene.materials, codes
+        self._codes: tuple[tuple[Material, ...], list[int], Codes] = (
+            scene.materials, self._used, codes,
+        )  # fmt: skip
         self._own = codes
         self._lit = scene if settings.shadows else _without_shadows(scene)
         self._seen: _Seen | None = None
@@ -112,7 +115,7 @@ class Wavelets:
         return Frame(image, clock.timings(), (*notices, *self._said(lights)))
 
     def _said(self, lights: tuple[Light, ...]) -> tuple[Diagnosis, ...]:
-        materials, codes = self._codes
+        materials, _, codes = self._codes
         return tuple(said_of(self.scene, materials, codes, self._used))
 
     def _draw(
@@ -121,7 +124,7 @@ class Wavelets:
     ) -> NDArray[np.float32]:  # fmt: skip
         """(height, width, 3) float32 radiance."""
         with clock("codes"):
-            codes = self._codes_of(materials)
+            codes = self._codes_of(materials, scale)
         with clock("view"):
             seen = self._look(camera, scale, codes, device)
         view, environment = seen.view, self.scene.environment
@@ -134,11 +137,20 @@ class Wavelets:
                 image = self._on_gl(device, seen.on_gl, view, lights)
         return image.reshape(*camera.shape(scale), 3)
 
-    def _codes_of(self, materials: tuple[Material, ...]) -> Codes:
-        if materials != self._codes[0]:
-            args = (self._settings, self._store, self._used, silent)
-            self._codes = materials, codes_of(self.scene, materials, *args)
-        return self._codes[1]
+    def _codes_of(self, materials: tuple[Material, ...], scale: int) -> Codes:
+        """A model under the hand is drawn by its formula: a code takes longer than a picture."""
+        known, encoded, codes = self._codes
+        wanted = self._used
+        if scale > 1:
+            wanted = [
+                m for m in wanted
+                if isinstance(materials[m], Measured) or (m in encoded and materials[m] == known[m])
+            ]  # fmt: skip
+        if materials != known or not set(wanted) <= set(encoded):
+            args = (self._settings, self._store, wanted, silent)
+            codes = codes_of(self.scene, materials, *args)
+            self._codes = materials, wanted, codes
+        return codes
 
     def _look(self, camera: Camera, scale: int, codes: Codes, device: Device | None) -> _Seen:
         seen = self._seen
