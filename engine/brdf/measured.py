@@ -10,6 +10,7 @@ albedo below 1.
 
 from __future__ import annotations
 
+import os
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
@@ -91,7 +92,9 @@ def _read(file: str, folder: Path) -> Measurement:
     if file in BUILT_IN:
         return _built_in(file)
     path = folder / file
-    if not path.is_file():
+    if not os.path.isfile(
+        path
+    ):  # which a name that is too long is not, where `Path.is_file` raises
         known = ", ".join(BUILT_IN)
         raise SceneError(
             f"there is no such file, and built-in materials are: {known}", field="file", file=file
@@ -101,6 +104,8 @@ def _read(file: str, folder: Path) -> Measurement:
     except InputError as error:
         where = f"{error.field}: " if error.field else ""
         raise SceneError(f"{where}{error.message}", field="file", file=file) from None
+    except OSError as error:
+        raise SceneError(f"cannot be read: {error.strerror}", field="file", file=file) from None
 
 
 # Whatever is measured may be a model of the table, which holds this module too: hence the imports.

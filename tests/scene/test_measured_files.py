@@ -61,6 +61,26 @@ def test_a_damaged_file_names_its_field_and_itself(
     assert word in str(caught.value)
 
 
+@pytest.mark.parametrize("name", ["x" * 300, "a\0b", "..", "folder/none.csv"], ids=len)
+def test_names_that_no_file_can_have(described: Described, name: str) -> None:
+    with pytest.raises(SceneError, match="there is no such file, and built-in") as caught:
+        described(materials={"m": {"type": "measured", "file": name}})
+    assert (caught.value.field, caught.value.file) == ("materials.m.file", name)
+
+
+def test_a_file_that_cannot_be_read(
+    described: Described, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(path: Path) -> None:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    matt(tmp_path / "a.csv", 0.3)
+    monkeypatch.setattr("engine.brdf.acquisition.read", refuse)
+    with pytest.raises(SceneError, match=r"cannot be read: Permission denied") as caught:
+        described(materials={"m": {"type": "measured", "file": "a.csv"}})
+    assert caught.value.field == "materials.m.file"
+
+
 def test_a_damaged_file_in_an_edit(described: Described, tmp_path: Path) -> None:
     scene = described(materials={"m": {"type": "diffuse"}})
     (tmp_path / "a.csv").write_text(HEADER + "30,0,45,180,0.1,red,0.1\n")
