@@ -92,9 +92,8 @@ def _read(file: str, folder: Path) -> Measurement:
     if file in BUILT_IN:
         return _built_in(file)
     path = folder / file
-    if not os.path.isfile(
-        path
-    ):  # which a name that is too long is not, where `Path.is_file` raises
+    # Not by `Path.is_file`, which raises for a name that is too long.
+    if not os.path.isfile(path):
         known = ", ".join(BUILT_IN)
         raise SceneError(
             f"there is no such file, and built-in materials are: {known}", field="file", file=file
