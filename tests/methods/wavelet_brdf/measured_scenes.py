@@ -39,14 +39,14 @@ def plane(material: dict[str, Any], size: int = 24, **more: Any) -> Scene:
     )
 
 
-def ball(material: dict[str, Any], size: int = 48, **more: Any) -> Scene:
+def ball(material: dict[str, Any], size: int = 48, rings: int = 48, **more: Any) -> Scene:
     """A ball of it alone."""
     return scene(
         camera=camera(size, position=[0, 0.4, 2], fov_y_degrees=34),
         **{"lights": [LAMP], **more},
         materials={"ball": material},
         objects=[
-            {"name": "ball", "mesh": {"shape": "sphere", "radius": 0.5, "rings": 48},
+            {"name": "ball", "mesh": {"shape": "sphere", "radius": 0.5, "rings": rings},
              "material": "ball"},
         ],
     )  # fmt: skip

@@ -68,10 +68,10 @@ def test_under_a_small_far_light(store: Store) -> None:
     as bright to 0.2 %.
     """
     sun = {"id": "sun", "type": "sun", "direction": FAR["direction"], "diameter_degrees": 10}
-    lamp = ball(measured("threads"), SIZE, lights=[{**sun, "intensity": [BRIGHT] * 3}])
+    lamp = ball(measured("threads"), SIZE, 24, lights=[{**sun, "intensity": [BRIGHT] * 3}])
     radiance = BRIGHT / (np.pi * np.sin(np.radians(5)) ** 2)
     environment = {"map": [0, 0, 0], "area_light": {**FAR, "radiance": [radiance] * 3}}
-    scene = ball(measured("threads"), SIZE, lights=[], environment=environment)
+    scene = ball(measured("threads"), SIZE, 24, lights=[], environment=environment)
     ours = prepare(lamp, "wavelet_brdf", Settings(detail="finest"), store=store)
     theirs = prepare(scene, "glossy_prt", glossy_prt.Settings(terms=4, **FEW), store=store)  # type: ignore[arg-type]
     away = ~scene_edges(scene)
