@@ -1,9 +1,12 @@
 """Sample a BRDF on the grid that is encoded.
 
 A cell of outgoing directions gets the mean over it, weighed by projected solid angle, so that a
-lobe narrower than a cell keeps its light. An isotropic BRDF has one azimuth of incident directions
-and half of the outgoing ones; one that is the same in a mirror along the grain and in one across it
-has a quarter of the outgoing ones. So they need less memory, and nothing is lost.
+lobe narrower than a cell keeps its light. Where such lobes are, about the mirror image of the
+incident direction, the mean is over many more places.
+
+An isotropic BRDF has one azimuth of incident directions and half of the outgoing ones; one that is
+the same in a mirror along the grain and in one across it has a quarter of the outgoing ones. So
+they need less memory, and nothing is lost.
 """
 
 from __future__ import annotations
@@ -19,6 +22,8 @@ from engine.numerics.tangent_poles import directions
 
 BITS = 5  # 32 cells along each angle, as the paper has
 WITHIN = 2  # samples of a cell, along each angle
+AT_MIRROR = 8  # the same of cells no farther than REACH from the mirror image
+REACH = 1.5
 MIRRORED = 0.01  # by which a mirrored pair may differ, of the mean of both and of all
 PAIRS = 2000
 AT_ONCE = 1 << 18
@@ -79,7 +84,9 @@ def outgoing(grid: Grid, dx: float = 0.0, dy: float = 0.0) -> NDArray[np.float64
 
 
 def tabulate(source: Source, grid: Grid, within: int = WITHIN) -> NDArray[np.float32]:
-    """(θ, φ, down, across, 3) float32, sr⁻¹: means over within² places of each cell."""
+    """(θ, φ, down, across, 3) float32, sr⁻¹: means over within² places of each cell, with 2 or more
+    over AT_MIRROR² where highlights may be; with 1 values at their centres.
+    """
     wi = incident(grid).reshape(-1, 3)
     total = np.zeros((*grid.cells, len(wi), 3), np.float64)
     weight = np.zeros(grid.cells, np.float64)
@@ -95,7 +102,33 @@ def tabulate(source: Source, grid: Grid, within: int = WITHIN) -> NDArray[np.flo
             )
             weight += share
     total /= weight[..., None, None]
+    if within > 1:
+        _sharpen(source, grid, wi, total)
     return total.reshape(*grid.cells, grid.down, grid.across, 3).astype(np.float32)
+
+
+def _sharpen(
+    source: Source, grid: Grid, wi: NDArray[np.float64], values: NDArray[np.float64]
+) -> None:
+    """Replace what cells about mirror images have in values (θ, φ, m, 3) by finer means."""
+    (columns, rows), (width, height) = grid.cells, grid.extent
+    x, y, z = wi.T * [[-1], [-1], [1]]
+    u = np.arctan2(z, x) / np.pi / width * columns - 0.5
+    v = np.arctan2(np.hypot(x, z), y) / np.pi / height * rows - 0.5
+    near = np.abs(np.arange(columns)[:, None, None] - u) <= REACH
+    near = near & (np.abs(np.arange(rows)[:, None] - v) <= REACH)
+    i, j, k = np.nonzero(near)
+    offset = (np.arange(AT_MIRROR) + 0.5) / AT_MIRROR - 0.5
+    step = max(1, AT_ONCE // AT_MIRROR**2)
+    for first in range(0, len(i), step):
+        a, b, c = (index[first : first + step] for index in (i, j, k))
+        across = (a[:, None, None] + 0.5 + offset[:, None]) / columns * width
+        along = (b[:, None, None] + 0.5 + offset) / rows * height
+        wo = directions(across, along).reshape(-1, 3)
+        share = wo[:, 2] * np.sqrt(1 - wo[:, 1] ** 2)
+        value = source.evaluate(np.repeat(wi[c], AT_MIRROR**2, axis=0), wo) * share[:, None]
+        means = value.reshape(len(a), -1, 3).sum(axis=1) / share.reshape(len(a), -1, 1).sum(axis=1)
+        values[a, b, c] = means
 
 
 def _evaluated(
