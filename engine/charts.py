@@ -6,7 +6,7 @@ It needs the packages of the extra `chart`, so the command line imports it late.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,10 +19,14 @@ from engine.arguments import (
     picture_size,
     sized_scene,
 )
+from engine.brdf.measured import Measured
 from engine.errors import InputError
 from engine.measure import (
     accuracy,
     accuracy_chart,
+    code_figures,
+    code_stage,
+    code_tables,
     contact_sheet,
     editing_figures,
     editing_session,
@@ -168,6 +172,12 @@ def _accuracy(asked: Asked, folder: Path, progress: Progress) -> list[Path]:
 
 
 def _tables(asked: Asked, folder: Path, progress: Progress) -> list[Path]:
+    if asked.methods == [code_stage.METHOD]:
+        thing, materials = _objects_and_materials(asked)
+        measured = {name: material.measurement() for name, material in materials.items()}
+        size = asked.pixels(tables.SIZE)
+        made = code_tables.make(measured, thing, size, asked.fixed, progress)
+        return code_tables.write(made, folder)
     asked.require_papers_own()
     document = tables.profiles(
         [read_thing(source) for source in asked.scenes] or [knot()],
@@ -184,6 +194,8 @@ def _figures(asked: Asked, folder: Path, progress: Progress) -> list[Path]:
     makers: Makers
     if asked.methods == [editing_session.METHOD]:
         makers = _of_editing(asked, progress)
+    elif asked.methods == [code_stage.METHOD]:
+        makers = _of_codes(asked, progress)
     else:
         asked.require_papers_own()
         makers = _of_papers_own(asked, progress)
@@ -221,6 +233,23 @@ def _of_editing(asked: Asked, progress: Progress) -> Makers:
         progress=progress,
     )
     return {number: partial(make, session) for number, make in editing_figures.FIGURES.items()}
+
+
+def _of_codes(asked: Asked, progress: Progress) -> Makers:
+    thing, materials = _objects_and_materials(asked)
+    size, fixed = asked.pixels(code_figures.SIZE), asked.fixed
+    shoot = code_figures.Shoot(
+        thing, materials or code_stage.measured_by_name([]), size, fixed, progress
+    )
+    return {number: partial(make, shoot) for number, make in code_figures.FIGURES.items()}
+
+
+def _objects_and_materials(asked: Asked) -> tuple[Thing, dict[str, Measured]]:
+    """The object of the only mesh file, or a small knot; measured materials by name."""
+    names = [name for name in asked.scenes if code_stage.is_material(name)]
+    others = replace(asked, scenes=[name for name in asked.scenes if name not in names])
+    thing = others.thing() if others.scenes else code_stage.small_knot()
+    return thing, code_stage.measured_by_name(names) if names else {}
 
 
 CHARTS: dict[str, Callable[[Asked, Path, Progress], list[Path]]] = {

@@ -147,7 +147,7 @@ def chart(
     to: Annotated[Path, typer.Option("--out", help="folder for the chart and its numbers")],
     scenes: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[SCENE]...", help="a built-in scene, a scene or a mesh file"),
+        typer.Argument(metavar="[SCENE]...", help="a built-in scene, a scene, mesh or BRDF file"),
     ] = None,
     method: Annotated[list[str] | None, typer.Option(help="may be given more than once")] = None,
     sweep: Annotated[
@@ -176,7 +176,7 @@ def chart(
         Path | None, typer.Option(help="folder of the maps that --accuracy takes")
     ] = None,
     tables: Annotated[
-        bool, typer.Option("--tables", help="instead: what mesh files cost glossy_prt")
+        bool, typer.Option("--tables", help="instead: tables of --method's paper, or glossy_prt's")
     ] = False,
     figure: Annotated[
         list[int] | None,
@@ -194,8 +194,8 @@ def chart(
 ) -> None:
     """Chart a method's speed against its accuracy over its settings, or something else instead.
 
-    --accuracy, --tables and --figure put the object of a mesh file, or a knot, on a matt floor;
-    figures of brdf_editing are of built-in scenes, and take the width of --size.
+    --accuracy, --tables and --figure are of a mesh file's object, or a knot; those of wavelet_brdf
+    take BRDF files too, figures of brdf_editing built-in scenes and the width of --size.
     """
     with needs_extra("chart"):
         from engine import charts

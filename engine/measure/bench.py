@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 
 from engine.backend.cpu.product import multiply
+from engine.measure import bench_codes
 from engine.measure.document import finite, provenance
 from engine.measure.fresh import fresh
 from engine.measure.machine import this_machine
 from engine.measure.material_edits import held_out_materials
 from engine.measure.probes import held_out_edits, held_out_views
 from engine.measure.settings import settings_from
-from engine.measure.sweep import STEP, judged_on, time_frames
+from engine.measure.sweep import DIRECT, STEP, judged_on, time_frames
 from engine.measure.timing import repeat
 from engine.methods import METHODS
 from engine.methods.base import Progress, silent
@@ -23,6 +24,7 @@ from engine.methods.brdf_editing import Polynomial
 from engine.methods.direct_to_indirect import Transfer
 from engine.methods.fixed_view.tiles import pixel_tiles, run_tiles
 from engine.methods.glossy_prt import Prt
+from engine.methods.wavelet_brdf import Wavelets
 from engine.reference import render
 from engine.scene.edits import Edits, apply
 from engine.scene.scene import Scene
@@ -106,9 +108,13 @@ def _bench_scene(
             views = held_out_views(scene, EDITS, seed=1)
             _, viewing, _ = time_frames(product, views, REPEATS, STEP * scene.diagonal)
             by_light["the camera moved"] = viewing.median
-        if "materials" in METHODS[method].edits:
+        if isinstance(product, Polynomial):
             by_light |= _sitting(product, scene, edits)
-        rate = product_rate(product)
+        if isinstance(product, Wavelets):
+            by_light |= bench_codes.sitting(product, scene, settings, progress)
+            rates = {"code_over_formula": bench_codes.code_over_formula()}
+        else:
+            rates = {"product_bandwidth": product_rate(product) / bandwidth}
         against = {}
         if against_rivals:
             from engine.measure.rivals import rivals
@@ -117,7 +123,10 @@ def _bench_scene(
 
     # Brute force gets the same job, the first of the edits. Its error falls as 1/√samples, so a
     # few samples tell how long it would take to an error that can be looked at.
-    result = render(apply(scene, edits[0]), samples=REFERENCE_SAMPLES, progress=progress)
+    job, bounces = apply(scene, edits[0]), None
+    if method in DIRECT:
+        job, bounces = dataclasses.replace(job, environment=None), 1
+    result = render(job, samples=REFERENCE_SAMPLES, max_bounces=bounces, progress=progress)
     brute_force = result.seconds * (result.error / REFERENCE_ERROR) ** 2
     camera = scene.camera
     return {
@@ -143,7 +152,7 @@ def _bench_scene(
             "seconds_to_2_percent": brute_force,
         },
         "ratios": {
-            "product_bandwidth": rate / bandwidth,
+            **rates,
             "reference_over_frame": brute_force / timing.median,
             "precompute_over_reference": made.seconds / brute_force,
             **(against["rivals"]["ratios"] if against else {}),

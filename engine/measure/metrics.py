@@ -77,6 +77,13 @@ def lab_difference(
     return float(kept.mean()) if kept.size else 0.0
 
 
+def lab_distance(image: Image, reference: Image, exposure: float = 0.0) -> NDArray[np.float64]:
+    """(h, w): distances of the displayed pictures in CIE L*a*b* (D65), the ΔE of 1976."""
+    _pair(image, reference, None)
+    a, b = (rgb2lab(_shown(picture, exposure)) for picture in (image, reference))
+    return np.asarray(np.linalg.norm(a - b, axis=2), np.float64)
+
+
 def flip_ldr(
     image: Image, reference: Image, mask: Mask | None = None, exposure: float = 0.0
 ) -> float:

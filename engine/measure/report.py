@@ -51,6 +51,11 @@ def _rows(scenes: list[dict[str, Any]]) -> list[tuple[str, list[str]]]:
             if name != "total"
         ),
         row("products / memory bandwidth", "ratios", "product_bandwidth", unit="%", factor=100),
+        *(
+            [row("a code's value / its formula's", "ratios", "code_over_formula", unit="x")]
+            if "code_over_formula" in scenes[0]["ratios"]
+            else []
+        ),
         row("reference render to 2 % error", "reference", "seconds_to_2_percent", unit="s"),
         row("reference / frame", "ratios", "reference_over_frame", unit="x"),
         row("precompute / reference", "ratios", "precompute_over_reference", unit="x"),

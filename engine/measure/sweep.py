@@ -57,10 +57,18 @@ SWEEPS: dict[str, dict[str, tuple[Any, ...]]] = {
         "lobe_rays": (0.0, 0.15, 0.3, 0.5),
         "gather_samples": (1024, 4096, 16384, 65536),
     },
+    "wavelet_brdf": {
+        "cells": (8, 16, 32, 64),
+        "error": (0.001, 0.003, 0.01, 0.03, 0.1),
+        "level": (0.0, 1.0, 2.0, 3.0, 4.0),
+        "filter": ("bilinear", "nearest"),
+        "detail": ("distance", "footprint", "finest"),
+    },
 }
 """Per method: the settings to sweep and their values."""
 
 JUDGED_ON = "materials", "lights", "environment"
+DIRECT = {"wavelet_brdf"}  # methods whose light is reflected once; they are judged on moved lights
 REPEATS = 9
 NEW_VIEW = "new view"  # a part of `Point.parts`
 STEP = 1e-3  # of the scene's size
@@ -118,7 +126,8 @@ def sweep(
     truths = []
     for number, edit in enumerate(held_out):
         progress("references", number, edits)
-        truths.append(truth(scene, edit, reference_error, store or Store(), progress))
+        args = (scene, edit, reference_error, store or Store(), progress)
+        truths.append(truth(*args, max_bounces=1 if set(methods) <= DIRECT else None))
     progress("references", edits, edits)
     kept = ~scene_edges(scene)
     floor = [resolution(t.image, t.variance, kept) for t in truths]
@@ -138,7 +147,10 @@ def judged_on(
 
     A method that carries no lights is judged without the scene's own.
     """
-    taken = {next(key for key in JUDGED_ON if key in METHODS[method].edits) for method in methods}
+    taken = {
+        next(key for key in JUDGED_ON[method in DIRECT :] if key in METHODS[method].edits)
+        for method in methods
+    }
     if len(taken) > 1:
         raise InputError(
             f"{', '.join(methods)} take different edits: chart them one by one", field="method"
