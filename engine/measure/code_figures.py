@@ -91,7 +91,8 @@ def exposure_of(reference: Image) -> float:
 
 
 def numbers(image: Image, reference: Image, mask: NDArray[np.bool_]) -> dict[str, float]:
-    """How far a picture is off, over the masked pixels."""
+    """How far a picture is off, over the masked pixels, or over all if those are none."""
+    mask = mask if mask.any() else np.ones_like(mask)
     exposure = exposure_of(reference)
     distance = lab_distance(image, reference, exposure)[mask]
     return {
@@ -213,8 +214,8 @@ def landscape(shoot: Shoot) -> Sheet:
         "A terrain (the paper's figure 10)",
         f"{len(scene.geometry.triangles):,} triangles. Levels: blue is the finest, red the "
         f"coarsest; α = {ALPHA:g} near by.\nFrom {FAR:g} diagonals away, {CROP} times as large. "
-        f"With a moved light coarser levels are faster\nthan the finest by {ratios} (the paper: 1.3, "
-        "1.8, 2.7, 5.7).",
+        f"With a moved light coarser levels are faster\nthan the finest by {ratios} (the paper: "
+        "1.3, 1.8, 2.7, 5.7).",
         rows,
         shoot.document(10, near, found),
     )

@@ -244,6 +244,18 @@ def test_a_figure_of_the_paper(relight: Relight) -> None:
     assert read_image(relight.folder / "c" / "figure-8.png").shape[1] > 500
 
 
+def test_a_figure_of_measured_materials(relight: Relight) -> None:
+    """Materials by name, before the paper's figures of that method."""
+    of_codes = ["chart", "--method", "wavelet_brdf", "--out", "c"]
+    run = relight(*of_codes, "brushed", "--figure", "9", "--size", "48x40")
+    assert run.returncode == 0, run.stderr
+    document = json.loads((relight.folder / "c" / "figure-9.json").read_text())
+    assert [p["material"] for p in document["pictures"]] == ["brushed"]
+    assert document["pictures"][0]["lab"] < 2
+    assert "there are 3, 8, 9, 10" in relight.fails(2, *of_codes, "--figure", "4")
+    assert "none.brdf" in relight.fails(2, *of_codes, "none.brdf", "--figure", "9")
+
+
 def test_chart_of_a_small_sweep(relight: Relight) -> None:
     run = relight(
         "chart",
