@@ -26,15 +26,15 @@ def draw(document: dict[str, Any]) -> Figure:
     families = list(dict.fromkeys(s["family"] for s in document["sources"]))
     figure = Figure(figsize=(3.2 * len(families) + 0.6, 6.6), layout="constrained")
     grid = figure.subplots(len(ERRORS), len(families), squeeze=False, sharex=True)
-    for line, (error, label) in zip(grid, ERRORS.items(), strict=True):
-        for axes, family in zip(line, families, strict=True):
+    for row, (error, label) in enumerate(ERRORS.items()):
+        for axes, family in zip(grid[row], families, strict=True):
             sources = [s for s in document["sources"] if s["family"] == family]
             _panel(axes, sources, document, error)
-            if line is grid[0]:
+            if row == 0:
                 axes.set_title(f"{family}, {len(sources)} of them", fontsize=9, loc="left")
             else:
                 axes.set_xlabel("bytes of the whole code")
-        line[0].set_ylabel(label)
+        grid[row][0].set_ylabel(label)
     grid[0][0].legend(fontsize=7, frameon=False, loc="lower left")
     figure.suptitle("BRDF codes by size", fontsize=11, x=0.01, ha="left")
     caption = (
