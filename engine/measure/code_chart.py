@@ -36,8 +36,9 @@ def draw(document: dict[str, Any]) -> Figure:
                 axes.set_xlabel("bytes of the whole code")
         grid[row][0].set_ylabel(label)
     handles, labels = grid[0][0].get_legend_handles_labels()
-    place = "outside upper right"
-    figure.legend(handles, labels, loc=place, ncols=len(labels), fontsize=7.5, frameon=False)
+    figure.legend(
+        handles, labels, loc="outside upper right", ncols=len(labels), fontsize=7.5, frameon=False
+    )
     figure.suptitle("BRDF codes by size", fontsize=11, x=0.01, ha="left")
     caption = (
         f"{document['samples']:,} point samples; medians over parameters, thin lines the worst; "

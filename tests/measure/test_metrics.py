@@ -186,3 +186,15 @@ def test_resolution_bounds_what_noise_alone_gives(reference: Image, mask: NDArra
     assert below >= 0.95
     assert max(found) > 0.3 * np.mean(floors), "the bound is loose"
     assert np.mean(floors) < metrics.relative_l2(mean, truth, keep) / 2
+
+
+def test_distances_in_lab_are_those_of_1976() -> None:
+    """Of greys that is the difference of L*, and none where clipping makes both white."""
+    image, reference = (np.full((1, 2, 3), v, np.float32) for v in (0.5, 0.25))
+    image[0, 1] = reference[0, 1] = 3.0
+    reference[0, 1, 0] = 5.0
+    lightness = [116 * y ** (1 / 3) - 16 for y in (0.5, 0.25)]
+    distance = metrics.lab_distance(image, reference)
+    assert distance.shape == (1, 2)
+    assert distance[0, 0] == pytest.approx(lightness[0] - lightness[1], abs=0.02)
+    assert distance[0, 1] == pytest.approx(0, abs=1e-6)
