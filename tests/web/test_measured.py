@@ -189,3 +189,32 @@ def test_levels_near_and_far(page: Page) -> None:
     page.get_by_label("Levels in false colour").uncheck()
     page.get_by_label("Coarser beyond").fill("2.7")
     np.testing.assert_allclose(settled(page), usual, atol=2)
+
+
+def relit(page: Page, dx: float) -> float:
+    """How much the ball changes when the lamp is dragged."""
+    before = settled(page)
+    drag(page, "key", dx, 0)
+    return float(np.abs(settled(page)[BALL] - before[BALL]).mean())
+
+
+def test_every_model_is_relit_by_a_dragged_light(page: Page) -> None:
+    pick(page, 0.5, 0.5)
+    tiles = page.locator(".tile").evaluate_all("(all) => all.map((n) => n.dataset.name)")
+    models = [name for name in tiles if "." not in name and ":" not in name]
+    assert {"plastic", "threads", "ward", "poulin_fournier", "lafortune", "ggx"} <= set(models)
+    for k, name in enumerate(models):
+        choose(page, name)
+        assert relit(page, (-90, 90)[k % 2]) > 2, name
+
+
+@pytest.mark.data
+def test_real_files_are_relit_by_a_dragged_light(page: Page, shared_data: Path) -> None:
+    pick(page, 0.5, 0.5)
+    for k, name in enumerate(("garnet_red", "krylon_blue", "mystique")):
+        page.get_by_label("Measured material to open").set_input_files(
+            shared_data / "brdfs" / f"{name}.brdf"
+        )
+        tile = page.locator(f".tile[title='{name}.brdf'][aria-pressed=true]")
+        tile.wait_for(timeout=60_000)
+        assert relit(page, (-90, 90)[k % 2]) > 0.5, name
