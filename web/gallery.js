@@ -99,13 +99,15 @@ export class Gallery {
 
   async #chosen(tile) {
     const { material, node } = tile;
+    const { hand } = this.state;
     this.#wanted = tile;
     this.told.replaceChildren();
     // It is read first, so that the pictures of what is there go on meanwhile.
     node.setAttribute("aria-busy", "true");
     const { url, problem } = await this.#want(material, true);
     node.removeAttribute("aria-busy");
-    if (this.#wanted !== tile) return;
+    // The hand may have turned to something else.
+    if (this.#wanted !== tile || this.state.hand !== hand) return;
     if (url) this.choose(material);
     else this.#tell([problem], true);
   }
@@ -173,12 +175,14 @@ export class Gallery {
     const [chosen] = this.file.files;
     if (!chosen) return;
     const { textContent: usual } = this.opener;
+    const { scene } = this.state;
     Object.assign(this.opener, { disabled: true, textContent: "Reading …" });
     this.told.replaceChildren();
     try {
       const { material, diagnoses } = await this.send(chosen);
-      const { measured } = this.state.scene;
+      const { measured } = scene;
       if (!measured.some(({ name }) => name === material.name)) measured.push(material);
+      if (scene !== this.state.scene) return;
       this.#build();
       const tile = this.#tiles.find(({ node }) => node.dataset.name === material.name);
       tile.node.scrollIntoView({ block: "nearest" });
