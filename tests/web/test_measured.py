@@ -164,7 +164,7 @@ def test_a_file_that_cannot_be_read_is_told(
 
 def test_levels_near_and_far(page: Page) -> None:
     usual = settled(page)
-    page.get_by_label("Levels in false colour").check()
+    page.get_by_label("Show the levels").check()
     near = settled(page)
     finest, coarsest = to_srgb8(COLOURS[[0, -1]].astype(np.float32))
     np.testing.assert_allclose(near[48, 48], finest, atol=1)
@@ -186,7 +186,7 @@ def test_levels_near_and_far(page: Page) -> None:
     page.get_by_label("Level by").select_option("finest")
     np.testing.assert_allclose(settled(page)[48, 48], finest, atol=1)
     page.get_by_label("Level by").select_option("distance")
-    page.get_by_label("Levels in false colour").uncheck()
+    page.get_by_label("Show the levels").uncheck()
     page.get_by_label("Coarser beyond").fill("2.7")
     np.testing.assert_allclose(settled(page), usual, atol=2)
 
