@@ -7,7 +7,7 @@ shadows, by the same code that lights the fixed views of other methods. The BRDF
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -105,16 +105,16 @@ class Wavelets:
             try:
                 clock = Clock(device.context.finish)
                 image = self._draw(camera, lights, materials, scale, clock, device)
-                return Frame(image, clock.timings(), (*notices, *self._said(lights)))
+                return Frame(image, clock.timings(), (*notices, *self._said()))
             except BackendError as error:
                 self._seen, self._gl_failed = None, instead_of_gl(error)
         if device is not None and self._gl_failed is not None:
             notices = (self._gl_failed,)
         clock = Clock()
         image = self._draw(camera, lights, materials, scale, clock, None)
-        return Frame(image, clock.timings(), (*notices, *self._said(lights)))
+        return Frame(image, clock.timings(), (*notices, *self._said()))
 
-    def _said(self, lights: tuple[Light, ...]) -> tuple[Diagnosis, ...]:
+    def _said(self) -> tuple[Diagnosis, ...]:
         materials, _, codes = self._codes
         return tuple(said_of(self.scene, materials, codes, self._used))
 
@@ -200,12 +200,12 @@ class _Unhindered:
 
 
 def _without_shadows(scene: Scene) -> Scene:
-    bare = scene.with_lights(scene.lights)
-    bare.__dict__["rays"] = _Unhindered(scene.rays)
+    bare = replace(scene)
+    bare.__dict__.update(rays=_Unhindered(scene.rays), diagonal=scene.diagonal)
     return bare
 
 
 def _with_table(scene: Scene, codes: Codes) -> Scene:
-    changed = scene.with_lights(scene.lights)
-    object.__setattr__(changed, "material_table", codes.table)
+    changed = replace(scene, material_table=codes.table)
+    changed.__dict__.update(rays=scene.rays, diagonal=scene.diagonal)
     return changed

@@ -50,8 +50,9 @@ def buffer_of(
     elif settings.detail == "footprint":
         levels.set_by_footprint(centre, width, codes.each)
         levels.copy_from(centre.take(np.repeat(view.edge, 4)), sub)
-    for points in (centre, sub):
-        levels.at_least(points, settings.level, codes.each)
+    if settings.level > 0:
+        for points in (centre, sub):
+            levels.at_least(points, settings.level, codes.each)
     alike = alike_neighbours(centre.position, centre.normal, centre.object, centre.matt, width)
     pixels = camera.model_copy(update={"width": width, "height": height})
     donors = np.repeat(view.edge, 4)
@@ -60,7 +61,7 @@ def buffer_of(
 
 def _points(scene: Scene, codes: Codes, seen: Seen, room: Points | None = None) -> Points:
     points = no_points(len(seen.triangle), room)
-    points.view[:] = -seen.away
+    np.negative(seen.away, out=points.view)
     for_ranges(
         describe_hits, len(points), scene.geometry, codes.table, seen.triangle, seen.b1, seen.b2,
         points.view, points.position, points.normal, points.geometric, points.model, points.row,
