@@ -13,19 +13,21 @@ BIN := .venv/bin
 GL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri
 # A browser for the page, and a library that Mitsuba's wheels take for granted.
 TEST_PACKAGES := $(GL_PACKAGES) chromium libatomic1
-# Most of what is of the system as a whole; the other half, which takes as long, is of its parts.
-SYSTEM_TESTS := tests/measure tests/stability tests/web
+# What is of the system as a whole; the rest, which takes as long, is of its parts. Tests of the page
+# wait for a browser most of the time, so they go beside both.
+SYSTEM_TESTS := tests/measure tests/stability
+PAGE_TESTS := tests/web
 PEER_PACKAGES := libllvm19 libatomic1
 
-.PHONY: serve test lint types pytest pytest-units pytest-system test-packages bench rivals chart clean
+.PHONY: serve test lint types pytest pytest-units pytest-system pytest-page test-packages bench rivals chart clean
 
 serve: .venv/.run
 	@.ci/system-packages $(GL_PACKAGES) || echo "going on without OpenGL, on the CPU" >&2
 	$(BIN)/relight serve "$(SCENE)" --port $(PORT)
 
-# Side by side: each keeps about one core busy.
+# Side by side: two of them keep about one core busy each.
 test:
-	@$(MAKE) --no-print-directory -j4 --output-sync=line lint types pytest
+	@$(MAKE) --no-print-directory -j5 --output-sync=line lint types pytest
 
 lint: .venv/.test
 	$(BIN)/ruff check
@@ -34,13 +36,16 @@ lint: .venv/.test
 types: .venv/.test
 	$(BIN)/mypy
 
-pytest: pytest-units pytest-system
+pytest: pytest-units pytest-system pytest-page
 
 pytest-units: .venv/.test test-packages
-	$(BIN)/pytest $(addprefix --ignore=,$(SYSTEM_TESTS))
+	$(BIN)/pytest $(addprefix --ignore=,$(SYSTEM_TESTS) $(PAGE_TESTS))
 
 pytest-system: .venv/.test test-packages
 	$(BIN)/pytest $(SYSTEM_TESTS)
+
+pytest-page: .venv/.test test-packages
+	$(BIN)/pytest $(PAGE_TESTS)
 
 test-packages:
 	@.ci/system-packages $(TEST_PACKAGES)

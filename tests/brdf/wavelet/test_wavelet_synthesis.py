@@ -58,11 +58,11 @@ def test_finer_grids_come_nearer(name: str) -> None:
     wi = near_mirror(rng, wo, 0.3)
     expected = SOURCES[name].evaluate(wi, wo)
     errors = []
-    for bits in (3, 4, 5):
+    # The general one of 32 cells is large, and its tree is that of the mirrored one.
+    for bits in (3, 4) if name == "general" else (3, 4, 5):
         found = values(encoded(SOURCES[name], bits), wi, wo)
         errors.append(np.linalg.norm(found - expected) / np.linalg.norm(expected))
-    assert errors[1] < 0.5 * errors[0]
-    assert errors[2] < 0.5 * errors[1]
+    assert (np.array(errors[1:]) < 0.5 * np.array(errors[:-1])).all()
 
 
 def test_isotropic_stays_so() -> None:
