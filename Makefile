@@ -1,5 +1,6 @@
 # make serve   the service and the page      SCENE=path/to/scene PORT=8000
 # make test    everything CI runs
+# make sweep   tests that take long, beside those
 # make bench   timings of this machine
 # make rivals  the same against Mitsuba 3, alone and denoised   SCENE=...
 # make chart   speed against accuracy        SCENE=..., into out/chart
@@ -13,21 +14,19 @@ BIN := .venv/bin
 GL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri
 # A browser for the page, and a library that Mitsuba's wheels take for granted.
 TEST_PACKAGES := $(GL_PACKAGES) chromium libatomic1
-# What is of the system as a whole; the rest, which takes as long, is of its parts. Tests of the page
-# wait for a browser most of the time, so they go beside both.
-SYSTEM_TESTS := tests/measure tests/stability
-PAGE_TESTS := tests/web
+# Most of what is of the system as a whole; the other half, which takes as long, is of its parts.
+SYSTEM_TESTS := tests/measure tests/stability tests/web
 PEER_PACKAGES := libllvm19 libatomic1
 
-.PHONY: serve test lint types pytest pytest-units pytest-system pytest-page test-packages bench rivals chart clean
+.PHONY: serve test lint types pytest pytest-units pytest-system sweep test-packages bench rivals chart clean
 
 serve: .venv/.run
 	@.ci/system-packages $(GL_PACKAGES) || echo "going on without OpenGL, on the CPU" >&2
 	$(BIN)/relight serve "$(SCENE)" --port $(PORT)
 
-# Side by side: two of them keep about one core busy each.
+# Side by side: each keeps about one core busy.
 test:
-	@$(MAKE) --no-print-directory -j5 --output-sync=line lint types pytest
+	@$(MAKE) --no-print-directory -j4 --output-sync=line lint types pytest
 
 lint: .venv/.test
 	$(BIN)/ruff check
@@ -36,16 +35,16 @@ lint: .venv/.test
 types: .venv/.test
 	$(BIN)/mypy
 
-pytest: pytest-units pytest-system pytest-page
+pytest: pytest-units pytest-system
 
 pytest-units: .venv/.test test-packages
-	$(BIN)/pytest $(addprefix --ignore=,$(SYSTEM_TESTS) $(PAGE_TESTS))
+	$(BIN)/pytest -m "not sweep" $(addprefix --ignore=,$(SYSTEM_TESTS))
 
 pytest-system: .venv/.test test-packages
-	$(BIN)/pytest $(SYSTEM_TESTS)
+	$(BIN)/pytest -m "not sweep" $(SYSTEM_TESTS)
 
-pytest-page: .venv/.test test-packages
-	$(BIN)/pytest $(PAGE_TESTS)
+sweep: .venv/.test test-packages
+	$(BIN)/pytest -m sweep
 
 test-packages:
 	@.ci/system-packages $(TEST_PACKAGES)

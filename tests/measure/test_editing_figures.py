@@ -27,6 +27,7 @@ def numbers(session: Session, figure: int, metric: str) -> dict[tuple[str, str],
     return {(p["edit"], p["title"]): p[metric] for p in sheet.document["pictures"]}
 
 
+@pytest.mark.sweep
 def test_the_box_is_edited_and_coarser_ways_are_worse(session: Session) -> None:
     full, matt, direct = numbers(session, 7, "flip").values()
     assert full < matt < direct

@@ -63,6 +63,7 @@ def test_many_lights_are_in_all_as_bright_as_one() -> None:
     assert many[0].position == one.position
 
 
+@pytest.mark.sweep
 def test_growth_on_a_small_box(tmp_path: Path) -> None:
     axes = {
         "view_samples": (0.25, 1.0),
@@ -108,6 +109,7 @@ def test_growth_on_a_small_box(tmp_path: Path) -> None:
     assert [p["size"] for p in document["points"]] == [g.size for g in grown]
 
 
+@pytest.mark.sweep
 def test_growth_of_glossy_prt(tmp_path: Path) -> None:
     """Without references: the light update and the picture of a new view, as in its figure 12."""
     scene = stage(ball(8), BRUSHED, (24, 24), cuts=8)

@@ -198,6 +198,7 @@ def relit(page: Page, dx: float) -> float:
     return float(np.abs(settled(page)[BALL] - before[BALL]).mean())
 
 
+@pytest.mark.sweep
 def test_models_are_relit_by_a_dragged_light(page: Page) -> None:
     pick(page, 0.5, 0.5)
     tiles = page.locator(".tile").evaluate_all("(all) => all.map((n) => n.dataset.name)")

@@ -328,6 +328,7 @@ def test_lamps_in_a_map_that_are_too_many_are_said(make: Make, tmp_path: Path) -
             assert wrong / 2 < found[0].size < 2 * wrong
 
 
+@pytest.mark.sweep
 def test_the_living_room_is_lit_through_its_windows(make: Make, shared_data: Path) -> None:
     """What comes straight from a real map into a real room, on the whole; its lamps are off."""
     room = open_scene(shared_data / "scenes" / "living_room" / "living_room.obj")
