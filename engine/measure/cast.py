@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from engine.brdf.base import GRAIN
 from engine.errors import InputError
 from engine.light.point import PointLight
-from engine.methods.fixed_view.frame_buffer import Points, describe_hits, no_points
+from engine.methods.fixed_view.frame_buffer import Points, describe, no_points
 from engine.methods.wavelet_brdf.codes import source_of
 from engine.numerics.frames import tangents, to_local
 from engine.numerics.parallel import for_ranges
@@ -95,11 +95,7 @@ def _seen(scene: Scene, dx: float, dy: float) -> tuple[Points, Hits]:
     origins = np.tile(np.array(camera.position, np.float32), (len(directions), 1))
     hits, points = scene.rays.intersect(origins, directions), no_points(len(directions))
     points.view[:] = -directions
-    for_ranges(
-        describe_hits, len(directions), scene.geometry, scene.material_table, hits.triangle,
-        hits.b1, hits.b2, points.view, points.position, points.normal, points.geometric,
-        points.model, points.row, points.object, points.material,
-    )  # fmt: skip
+    describe(scene.geometry, scene.material_table, hits.triangle, hits.b1, hits.b2, points)
     return points, hits
 
 

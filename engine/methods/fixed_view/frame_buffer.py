@@ -23,7 +23,7 @@ from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, sub, vec
 from engine.scene import surface
 from engine.scene.camera import SUBSAMPLES, Camera
-from engine.scene.scene import Scene
+from engine.scene.scene import Geometry, MaterialTable, Scene
 
 # A finer grid, for what changes from frame to frame: edges of shadows. It keeps to the square of
 # the sub-samples, beyond which nobody has looked whether the surface goes on.
@@ -190,32 +190,34 @@ def look_at(scene: Scene, directions: NDArray[np.float32]) -> Points:
     hits = scene.rays.intersect(origins, directions)
     points = no_points(n)
     points.view[:] = -directions
-    for_ranges(
-        describe_hits,
-        n,
-        scene.geometry,
-        scene.material_table,
-        hits.triangle,
-        hits.b1,
-        hits.b2,
-        points.view,
-        points.position,
-        points.normal,
-        points.geometric,
-        points.model,
-        points.row,
-        points.object,
-        points.material,
-    )
+    describe(scene.geometry, scene.material_table, hits.triangle, hits.b1, hits.b2, points)
     return points
 
 
+def describe(
+    geometry: Geometry,
+    materials: MaterialTable,
+    triangle: NDArray[np.int32],
+    b1: NDArray[np.float32],
+    b2: NDArray[np.float32],
+    points: Points,
+) -> None:
+    """Fill in points whose `view` is known with what rays against it meet.
+
+    triangle (n,) is -1 where that is nothing, b1 and b2 (n,) are barycentrics.
+    """
+    for_ranges(
+        _describe_hits, len(points), geometry, materials, triangle, b1, b2, points.view,
+        points.position, points.normal, points.geometric, points.model, points.row, points.object,
+        points.material,
+    )  # fmt: skip
+
+
 @njit(cache=True, nogil=True)
-def describe_hits(
+def _describe_hits(
     start, stop, geometry, materials, triangle, b1, b2, view,
     position, normal, geometric, model, row, obj, material,
 ):  # fmt: skip
-    """Fill in, as of `Points`, what rays meet that go against `view`."""
     for i in range(start, stop):
         t = triangle[i]
         if t < 0:

@@ -8,7 +8,7 @@ from engine.backend.cpu.penumbra import alike_neighbours
 from engine.methods.fixed_view.frame_buffer import (
     FrameBuffer,
     Points,
-    describe_hits,
+    describe,
     no_points,
     pixel_phase,
 )
@@ -16,7 +16,6 @@ from engine.methods.free_view import Seen, look
 from engine.methods.wavelet_brdf import levels
 from engine.methods.wavelet_brdf.codes import Codes
 from engine.methods.wavelet_brdf.settings import Settings
-from engine.numerics.parallel import for_ranges
 from engine.scene.camera import Camera
 from engine.scene.scene import Scene
 
@@ -62,9 +61,5 @@ def buffer_of(
 def _points(scene: Scene, codes: Codes, seen: Seen, room: Points | None = None) -> Points:
     points = no_points(len(seen.triangle), room)
     np.negative(seen.away, out=points.view)
-    for_ranges(
-        describe_hits, len(points), scene.geometry, codes.table, seen.triangle, seen.b1, seen.b2,
-        points.view, points.position, points.normal, points.geometric, points.model, points.row,
-        points.object, points.material,
-    )  # fmt: skip
+    describe(scene.geometry, codes.table, seen.triangle, seen.b1, seen.b2, points)
     return points
