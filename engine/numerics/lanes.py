@@ -39,9 +39,6 @@ class Lanes:
             self.builder, self.builder.fadd(self.value, self._of(other), flags=("contract",))
         )
 
-    def __radd__(self, other: float) -> Lanes:
-        return self + other
-
     def __sub__(self, other: Lanes | float) -> Lanes:
         return Lanes(
             self.builder, self.builder.fsub(self.value, self._of(other), flags=("contract",))
@@ -51,9 +48,6 @@ class Lanes:
         return Lanes(
             self.builder, self.builder.fmul(self.value, self._of(other), flags=("contract",))
         )
-
-    def __rmul__(self, other: float) -> Lanes:
-        return self * other
 
     def __truediv__(self, other: Lanes) -> Lanes:
         return Lanes(self.builder, self.builder.fdiv(self.value, other.value))
