@@ -9,7 +9,6 @@ from engine.brdf.blinn_phong import BlinnPhong
 from engine.brdf.curve_basis import coefficients
 from engine.brdf.half_angle_curve import NODES, HalfAngleCurve, cover
 from engine.brdf.layers import LAYERS
-from engine.brdf.lewis import Lewis
 from engine.brdf.phong import Phong
 from engine.brdf.table import INDEX
 
@@ -25,7 +24,7 @@ def as_curve(material: Material) -> HalfAngleCurve:
     """
     if isinstance(material, HalfAngleCurve):
         return material
-    if isinstance(material, Phong | Lewis):
+    if isinstance(material, Phong):
         fields = material.model_dump(exclude={"type", "exponent"})
         material = BlinnPhong(**fields, exponent=min(4 * material.exponent, 1e5))
     kept = material.model_dump(include={"emission", "diffuse"})

@@ -14,7 +14,6 @@ from engine.brdf.cook_torrance import CookTorrance
 from engine.brdf.diffuse import Diffuse
 from engine.brdf.ggx import Ggx
 from engine.brdf.half_angle_curve import HalfAngleCurve
-from engine.brdf.lewis import Lewis
 from engine.brdf.phong import Phong
 from engine.brdf.poulin_fournier import PoulinFournier
 from engine.brdf.ward import Ward
@@ -32,7 +31,7 @@ def albedo_diagnoses(
         # and lobes that reflect no more than their colour, where that and the base's add up to 1.
         if isinstance(material, Diffuse | Ggx | AshikhminShirley | CookTorrance | HalfAngleCurve):
             continue
-        if isinstance(material, Phong | Lewis | BlinnPhong | Ward | PoulinFournier) and (
+        if isinstance(material, Phong | BlinnPhong | Ward | PoulinFournier) and (
             np.max(np.add(material.diffuse, material.specular)) <= 1.0 + 1e-6
         ):
             continue
