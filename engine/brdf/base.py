@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from engine.numerics.description import Description, Radiance
+from engine.numerics.dispatch import formula
 from engine.numerics.vec import add, length, normalize
 
 ROW = 36
@@ -124,15 +125,19 @@ def half(wi, wo):
     return normalize(both), 0.5 * length(both)
 
 
+@formula
+def seen_turned(c, s, w):
+    """w in a frame that is turned about z by an angle with cosine c and sine s."""
+    return (c * w[0] + s * w[1], c * w[1] - s * w[0], w[2])
+
+
 @njit
 def to_grain(p, w):
     """The local direction w in the frame whose x axis runs along the grain of a row."""
-    c, s = float(p[GRAIN]), float(p[GRAIN + 1])
-    return (c * w[0] + s * w[1], c * w[1] - s * w[0], w[2])
+    return seen_turned(float(p[GRAIN]), float(p[GRAIN + 1]), w)
 
 
 @njit
 def from_grain(p, w):
     """The inverse of `to_grain`."""
-    c, s = float(p[GRAIN]), float(p[GRAIN + 1])
-    return (c * w[0] - s * w[1], c * w[1] + s * w[0], w[2])
+    return seen_turned(float(p[GRAIN]), -float(p[GRAIN + 1]), w)

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr
 
 from engine.brdf import library
-from engine.brdf.base import EXTRA, GRAIN, Material, specular_colour
+from engine.brdf.base import EXTRA, GRAIN, Material, seen_turned, specular_colour
 from engine.brdf.wavelet import layout, sampling
 from engine.brdf.wavelet.encoding import DEFAULT, Encoded, Target, encode
 from engine.brdf.wavelet.synthesis import ZERO, levels, synthesise
@@ -138,7 +138,7 @@ def _encoded(source: Source, bits: int, target: Target) -> Encoded:
 def _in_grain(grain, w):
     """w along a grain (cosine, sine), or as it is where there is none."""
     c, s = grain
-    return (c * w[0] + s * w[1], c * w[1] - s * w[0], w[2]) if c != 0.0 or s != 0.0 else w
+    return seen_turned(c, s, w) if c != 0.0 or s != 0.0 else w
 
 
 @njit

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from engine.brdf.base import GRAIN
+from engine.brdf.base import GRAIN, to_grain
 from engine.errors import InputError
 from engine.light.point import PointLight
 from engine.methods.fixed_view.frame_buffer import Points, describe, no_points
@@ -112,8 +112,7 @@ def _to_local(start, stop, normal, row, w, out):
     for i in range(start, stop):
         n = vec(normal, i)
         s, t = tangents(n)
-        x, y, z = to_local(vec(w, i), s, t, n)
-        c, k = row[i, GRAIN], row[i, GRAIN + 1]
-        if c != 0.0 or k != 0.0:
-            x, y = c * x + k * y, c * y - k * x
-        out[i, 0], out[i, 1], out[i, 2] = x, y, z
+        local = to_local(vec(w, i), s, t, n)
+        if row[i, GRAIN] != 0.0 or row[i, GRAIN + 1] != 0.0:
+            local = to_grain(row[i], local)
+        out[i, 0], out[i, 1], out[i, 2] = local
