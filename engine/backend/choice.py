@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from typing import Literal, get_args
+from collections.abc import Callable
+from typing import Literal, TypeVar, get_args
 
 from engine.backend.gl.context import Device, device
 from engine.diagnosis import Diagnosis
@@ -11,6 +12,7 @@ from engine.errors import BackendError, InputError
 
 Backend = Literal["auto", "cpu", "gl"]
 VARIABLE = "RELIGHT_BACKEND"
+T = TypeVar("T")
 
 
 def wanted(asked: str | None = None) -> Backend:
@@ -38,10 +40,33 @@ def chosen_device(asked: Backend | None = None) -> tuple[Device | None, tuple[Di
     try:
         found = device()
     except BackendError as error:
-        return None, (instead_of_gl(error),) if name == "gl" else ()
+        return None, (_instead_of_gl(error),) if name == "gl" else ()
     return (None if name == "auto" and found.software else found), ()
 
 
-def instead_of_gl(error: BackendError) -> Diagnosis:
-    """Why the CPU draws."""
+class GlFirst:
+    """Draws with GL where that is chosen; from its first failure on the CPU does.
+
+    failed  why, then
+    """
+
+    def __init__(self) -> None:
+        self.failed: Diagnosis | None = None
+
+    def draw(
+        self, asked: Backend | None, on_gl: Callable[[Device], T], on_cpu: Callable[[], T]
+    ) -> tuple[T, tuple[Diagnosis, ...]]:
+        """(what one of both made, what the user should know); on_gl may raise BackendError."""
+        device, notices = chosen_device(asked)
+        if device is None:
+            return on_cpu(), notices
+        if self.failed is None:
+            try:
+                return on_gl(device), notices
+            except BackendError as error:
+                self.failed = _instead_of_gl(error)
+        return on_cpu(), (self.failed,)
+
+
+def _instead_of_gl(error: BackendError) -> Diagnosis:
     return Diagnosis("gl_unavailable", f"The CPU draws, because GL does not: {error}")

@@ -9,7 +9,6 @@ lie elsewhere (`tabulate.grid_for`) also at the paper's, for which kernels inter
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -23,9 +22,10 @@ from engine.brdf.ward import Ward
 from engine.brdf.wavelet import layout
 from engine.brdf.wavelet.analysis import Grid
 from engine.brdf.wavelet.encoding import Encoded, Target, encode
+from engine.brdf.wavelet.errors import Errors, errors_of, floors
 from engine.brdf.wavelet.tabulate import BITS, Source, grid_for, incident, outgoing, tabulate
 from engine.errors import InputError
-from engine.measure.code_errors import Errors, errors_of, values_of
+from engine.measure.code_values import values_of
 from engine.measure.document import finite, provenance
 from engine.measure.machine import this_machine
 from engine.measure.papers_code import PapersCode
@@ -125,10 +125,11 @@ class _Raw:
     def __init__(self, source: Source, bits: int) -> None:
         self.grid = Grid(layout.GENERAL, bits, bits, 1 << bits, 1 << bits)
         self.values = tabulate(source, self.grid, within=1)
+        self._floor = floors(self.values, FLOOR)
         self._wi, self._wo = incident(self.grid).reshape(-1, 3), outgoing(self.grid).reshape(-1, 3)
 
     def errors(self, found: NDArray[np.float64]) -> Errors:
-        return errors_of(found.reshape(self.values.shape), self.values, self.grid, FLOOR)
+        return errors_of(found.reshape(self.values.shape), self.values, self.grid, self._floor)
 
     def errors_of_code(self, code: Encoded) -> Errors:
         return self.errors(values_of(code.data, self._wi, self._wo))
@@ -189,7 +190,8 @@ def _ours(source: Source, raw: _Raw, sizes: Sequence[int], bits: int) -> list[di
         if codes and codes[-1]["bytes"] == code.bytes:
             codes.append({**codes[-1], "at_most": size})
             continue
-        own = errors_of(values_of(code.data, wi, wo).reshape(values.shape), values, grid, FLOOR)
+        found = values_of(code.data, wi, wo).reshape(values.shape)
+        own = errors_of(found, values, grid, floors(values, FLOOR))
         codes.append(_entry(OURS, size, code.bytes, own, raw.errors_of_code(code), 1 << bits))
     return codes
 
@@ -211,6 +213,6 @@ def _entry(
         "cells": cells,
         "at_most": at_most,
         "bytes": size,
-        "own": asdict(own),
-        "at_papers": asdict(at_papers),
+        "own": own.as_dict(),
+        "at_papers": at_papers.as_dict(),
     }

@@ -14,9 +14,9 @@ from engine.brdf.built_in import BUILT_IN
 from engine.brdf.wavelet.encoding import Target, encode
 from engine.brdf.wavelet.tabulate import grid_for, incident, outgoing, tabulate
 from engine.measure.code_chart import best_of, curve
-from engine.measure.code_errors import values_of
 from engine.measure.code_study import FLOATS, NEURAL, OCTETS, OURS, SAME_GRID, models, study
 from engine.measure.code_tables import markdown, write
+from engine.measure.code_values import values_of
 
 WHOLE = 12 * 16**4
 

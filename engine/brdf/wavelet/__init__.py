@@ -11,9 +11,9 @@ projected solid angle of the cell. Every coefficient is a slice over the plane o
 |---|---|
 | (x, y, z) of θ, φ, §4.1 | `engine.numerics.tangent_poles` |
 | l, h, f_r, §4.2 | `analysis`: means and log-ratios, after which no energy is lost |
-| vectors of hemispherical coefficients and their threshold, §4.3 | `encoding`: tiles of slices |
-| μ, ε, 8 bits, §5.1 | `encoding`: floor, codes |
-| 3-D texture, compression map, slice 0, §5.2 | `layout`: tiles, map, tile 0 |
+| vectors of hemispherical coefficients and their threshold, §4.3 | `tiles`, by their weight |
+| μ, ε, 8 bits, §5.1 | `errors.floors`, `tiles` |
+| 3-D texture, compression map, slice 0, §5.2 | `layout`, `packing`: tiles, map, tile 0 |
 | 4 N + 1 look-ups, §5.3 | `synthesis`, `shaders/brdf/wavelet.glsl` |
 | levels of detail, §5.4.1 | `synthesis`: a level stops above the leaves |
 | bilinear, §5.4.2 | `synthesis`: coefficients over wi, values over wo |

@@ -10,11 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.backend.choice import Backend, chosen_device, instead_of_gl
+from engine.backend.choice import Backend, GlFirst
 from engine.backend.cpu.product import multiply
 from engine.backend.gl.context import Device
 from engine.diagnosis import Diagnosis
-from engine.errors import BackendError
 from engine.light.base import Light
 from engine.light.environment import Environment
 from engine.methods.base import Frame, MaterialFit, require_supported
@@ -106,9 +105,9 @@ class Transfer:
         self._reflectance = {2: Reflectance(*(part[coarse] for part in whole)), 1: whole}
         for part in whole:
             part[view.buffer.edge] = 0
-        # The same on the GPU, from the first frame that it draws; then why it does not.
+        self._backend = GlFirst()
+        # The same on the GPU, from the first frame that it draws.
         self._gl: GlTransfer | None = None
-        self._gl_failed: Diagnosis | None = None
 
     @property
     def method(self) -> str:
@@ -135,26 +134,13 @@ class Transfer:
         """See `engine.methods.base.Product.relight`."""
         require_supported(NAME, edits)
         lights, environment = self._edited(edits)
-        device, notices = chosen_device(backend)
-        if device is not None and self._gl_failed is None:
-            try:
-                drawn = self._on_gl(device, lights, environment, scale)
-                return self._frame(drawn, lights, environment, scale, notices)
-            except BackendError as error:
-                self._gl, self._gl_failed = None, instead_of_gl(error)
-        if device is not None and self._gl_failed is not None:
-            notices = (self._gl_failed,)
-        drawn = self._on_cpu(lights, environment, scale)
-        return self._frame(drawn, lights, environment, scale, notices)
-
-    def _frame(
-        self,
-        drawn: Drawn,
-        lights: tuple[Light, ...],
-        environment: Environment | None,
-        scale: int,
-        notices: tuple[Diagnosis, ...],
-    ) -> Frame:
+        drawn, notices = self._backend.draw(
+            backend,
+            lambda device: self._by_gl(device, lights, environment, scale),
+            lambda: self._by_cpu(lights, environment, scale),
+        )
+        if self._backend.failed:
+            self._gl = None
         start, timings = time.perf_counter(), drawn.timings
         warnings = (*notices, *self._warnings(lights, environment, drawn))
         timings["diagnosis"] = time.perf_counter() - start
@@ -162,7 +148,7 @@ class Transfer:
         height, width = self.view.shape(scale)
         return Frame(drawn.image.reshape(height, width, 3), timings, warnings)
 
-    def _on_gl(
+    def _by_gl(
         self,
         device: Device,
         lights: tuple[Light, ...],
@@ -189,7 +175,7 @@ class Transfer:
         bounced = self._bounced(environment).total
         return Standing(backdrop, bounced, *light.view(scale, n), light.suns)
 
-    def _on_cpu(
+    def _by_cpu(
         self, lights: tuple[Light, ...], environment: Environment | None, scale: int
     ) -> Drawn:
         clock = Clock()

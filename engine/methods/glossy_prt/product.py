@@ -12,12 +12,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.backend.choice import Backend, chosen_device, instead_of_gl
+from engine.backend.choice import Backend, GlFirst
 from engine.backend.cpu.vectors import Factor
 from engine.backend.gl.context import Device
 from engine.backend.gl.vectors import Part, StoredVectors
-from engine.diagnosis import Diagnosis
-from engine.errors import BackendError
 from engine.light.cube_light import CubeLight
 from engine.light.environment import Environment, is_same
 from engine.methods.base import Frame, MaterialFit, require_supported
@@ -83,9 +81,9 @@ class Prt:
         self._light = CubeLight(settings.light_texels)
         self._lit: tuple[Environment | None, NDArray[np.float32]] | None = None
         self._view: tuple[Camera, int, View, tuple[Responses, Responses]] | None = None
-        # What draws on the GPU, from the first frame that it draws; then why it does not.
+        self._backend = GlFirst()
+        # What draws on the GPU, from the first frame that it draws.
         self._gl: GlPrt | None = None
-        self._gl_failed: Diagnosis | None = None
         self._of_scene = (*said_of(scene, transport.measured), *fits.said)
         self._fits = fits.materials
 
@@ -116,24 +114,26 @@ class Prt:
             self.scene.environment, edits.environment, Path(self.scene.folder)
         )
         camera = edited_camera(self.scene.camera, edits.camera)
-        device, notices = chosen_device(backend)
-        if device is not None and self._gl_failed is None:
-            try:
-                clock = Clock(device.context.finish)
-                self._gl = self._gl or self._on_gl(device)
-                image = self._gl.draw(environment, camera, scale, clock)
-                return Frame(image, clock.timings(), (*notices, *self._of_scene))
-            except BackendError as error:
-                self._gl, self._gl_failed = None, instead_of_gl(error)
-        if device is not None and self._gl_failed is not None:
-            notices = (self._gl_failed,)
-        clock = Clock()
-        image = self._on_cpu(environment, camera, scale, clock)
+        (image, clock), notices = self._backend.draw(
+            backend,
+            lambda device: self._by_gl(device, environment, camera, scale),
+            lambda: self._by_cpu(environment, camera, scale),
+        )
+        if self._backend.failed:
+            self._gl = None
         return Frame(image, clock.timings(), (*notices, *self._of_scene))
 
-    def _on_cpu(
-        self, environment: Environment | None, camera: Camera, scale: int, clock: Clock
-    ) -> NDArray[np.float32]:
+    def _by_gl(
+        self, device: Device, environment: Environment | None, camera: Camera, scale: int
+    ) -> tuple[NDArray[np.float32], Clock]:
+        clock = Clock(device.context.finish)
+        self._gl = self._gl or self._on_gl(device)
+        return self._gl.draw(environment, camera, scale, clock), clock
+
+    def _by_cpu(
+        self, environment: Environment | None, camera: Camera, scale: int
+    ) -> tuple[NDArray[np.float32], Clock]:
+        clock = Clock()
         with clock("transport"):
             lit = self.lit(environment)
         with clock("view"):
@@ -144,7 +144,7 @@ class Prt:
             if len(view.edge):
                 sub = shade(*args, lit, view.sub, of_sub, environment)
                 image[view.edge] = sub.reshape(-1, 4, 3).mean(axis=1)
-        return image.reshape(*view.shape, 3)
+        return image.reshape(*view.shape, 3), clock
 
     def _on_gl(self, device: Device) -> GlPrt:
         first, texels = self._maps.first.tolist(), FACES * self._settings.light_texels**2

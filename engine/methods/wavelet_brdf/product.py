@@ -13,14 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.backend.choice import Backend, chosen_device, instead_of_gl
+from engine.backend.choice import Backend, GlFirst
 from engine.backend.gl.bvh import build_tree
 from engine.backend.gl.context import Device, gl_errors
 from engine.backend.gl.shading import Shading
 from engine.brdf.base import Material
 from engine.brdf.measured import Measured
 from engine.diagnosis import Diagnosis
-from engine.errors import BackendError
 from engine.light.base import Light
 from engine.methods.base import Frame, MaterialFit, require_supported, silent
 from engine.methods.clock import Clock
@@ -63,7 +62,7 @@ class Wavelets:
         self._lit = scene if settings.shadows else _without_shadows(scene)
         self._seen: _Seen | None = None
         self._shading: Shading | None = None
-        self._gl_failed: Diagnosis | None = None
+        self._backend = GlFirst()
 
     @property
     def method(self) -> str:
@@ -100,18 +99,14 @@ class Wavelets:
         camera = edited_camera(self.scene.camera, edits.camera)
         lights = edited_lights(self.scene.lights, edits.lights, self.scene.folder)
         materials = edited_materials(self.scene, edits.materials)
-        device, notices = chosen_device(backend)
-        if device is not None and self._gl_failed is None:
-            try:
-                clock = Clock(device.context.finish)
-                image = self._draw(camera, lights, materials, scale, clock, device)
-                return Frame(image, clock.timings(), (*notices, *self._said()))
-            except BackendError as error:
-                self._seen, self._gl_failed = None, instead_of_gl(error)
-        if device is not None and self._gl_failed is not None:
-            notices = (self._gl_failed,)
-        clock = Clock()
-        image = self._draw(camera, lights, materials, scale, clock, None)
+
+        def draw(device: Device | None) -> tuple[NDArray[np.float32], Clock]:
+            clock = Clock() if device is None else Clock(device.context.finish)
+            return self._draw(camera, lights, materials, scale, clock, device), clock
+
+        (image, clock), notices = self._backend.draw(backend, draw, lambda: draw(None))
+        if self._backend.failed and self._seen is not None:
+            self._seen, self._shading = replace(self._seen, on_gl=None), None
         return Frame(image, clock.timings(), (*notices, *self._said()))
 
     def _said(self) -> tuple[Diagnosis, ...]:
