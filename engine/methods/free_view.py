@@ -10,7 +10,6 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.backend.cpu.raster import draw
-from engine.light.environment_samples import places_on_map
 from engine.numerics.borrow import borrow
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, scale, vec
@@ -30,8 +29,6 @@ class Seen(NamedTuple):
     front     (m,) bool        whether its counter-clockwise side is seen
     distance  (m,) float32     metres; infinity where nothing
     away      (m, 3) float32   unit, from the eye
-    beyond    (b,) int64       rays that meet nothing
-    places    (b, 2) float32   where on an environment's map those lead, see `places_on_map`
     """
 
     triangle: NDArray[np.int32]
@@ -40,8 +37,6 @@ class Seen(NamedTuple):
     front: NDArray[np.bool_]
     distance: NDArray[np.float32]
     away: NDArray[np.float32]
-    beyond: NDArray[np.int64]
-    places: NDArray[np.float32]
 
 
 class View(NamedTuple):
@@ -84,9 +79,7 @@ def _cast(scene: Scene, camera: Camera, x: NDArray[Any], y: NDArray[Any]) -> See
     hits = scene.rays.intersect(eye, away)
     front = np.zeros(len(away), np.bool_)
     for_ranges(_face, len(away), scene.geometry, hits.triangle, away, front)
-    return Seen(
-        hits.triangle, hits.b1, hits.b2, front, hits.distance, away, *_beyond(hits.triangle, away)
-    )
+    return Seen(hits.triangle, hits.b1, hits.b2, front, hits.distance, away)
 
 
 @njit(cache=True, nogil=True)
@@ -94,13 +87,6 @@ def _face(start, stop, geometry, triangle, away, front):
     for i in range(start, stop):
         if triangle[i] >= 0:
             front[i] = surface.shows_front(geometry, triangle[i], scale(vec(away, i), -1.0))
-
-
-def _beyond(
-    triangle: NDArray[np.int32], away: NDArray[np.float32]
-) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    beyond = np.flatnonzero(triangle < 0)
-    return beyond, places_on_map(away[beyond])
 
 
 def _rasterise(scene: Scene, camera: Camera, step: int, shape: tuple[int, int]) -> Seen | None:
@@ -115,7 +101,7 @@ def _rasterise(scene: Scene, camera: Camera, step: int, shape: tuple[int, int]) 
     away = np.zeros((len(distance), 3), np.float32)
     for_ranges(_aim, len(away), np.linalg.inv(to_pixels), shape[1], drawn.inverse, distance, away)
     triangle, b1, b2, _, front = drawn
-    return Seen(triangle, b1, b2, front, distance, away, *_beyond(triangle, away))
+    return Seen(triangle, b1, b2, front, distance, away)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

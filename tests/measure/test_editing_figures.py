@@ -35,6 +35,7 @@ def test_the_box_is_edited_and_coarser_ways_are_worse(session: Session) -> None:
     assert max(numbers(session, 6, "relative_l2").values()) < 0.12
 
 
+@pytest.mark.sweep
 def test_caustics_need_gloss_behind_the_first_bounce(session: Session) -> None:
     # Large pixels have few rays for so narrow a light.
     finer = replace(session, width=96, fixed={"gather_samples": 16384}, reference_error=0.3)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -17,17 +19,23 @@ class Backdrop:
     """Emission and background of a deep frame-buffer, antialiased, under any environment."""
 
     def __init__(self, scene: Scene, buffer: FrameBuffer) -> None:
-        """Finds once where the environment is seen."""
+        """Finds where the environment is seen when there is one."""
         self._emitted = _emission(scene, buffer.centre)
         average(buffer.edge, _emission(scene, buffer.sub), self._emitted)
+        self._buffer = buffer
+        self._last: tuple[Environment | None, NDArray[np.float32]] = (None, self._emitted)
+
+    @cached_property
+    def _behind(self) -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.float32]]:
+        """(pixels, which part of each, places on a map)."""
+        buffer = self._buffer
         whole = buffer.centre.model < 0
         whole[buffer.edge] = False
         part = np.flatnonzero(buffer.sub.model < 0)
         pixel = np.concatenate([np.flatnonzero(whole), buffer.edge[part // 4]]).astype(np.int32)
         share = np.repeat(np.array([1, 0.25], np.float32), [len(pixel) - len(part), len(part)])
         away = np.concatenate([-buffer.centre.view[whole], -buffer.sub.view[part]])
-        self._pixel, self._share, self._places = pixel, share, places_on_map(away)
-        self._last: tuple[Environment | None, NDArray[np.float32]] = (None, self._emitted)
+        return pixel, share, places_on_map(away)
 
     def picture(self, environment: Environment | None) -> NDArray[np.float32]:
         """(n, 3) float32 radiance; not to be written into. The last one is kept."""
@@ -35,10 +43,10 @@ class Backdrop:
         if is_same(known, environment):
             return out
         out = self._emitted
-        if environment is not None and len(self._pixel):
+        if environment is not None:
+            pixel, share, places = self._behind
             out = out.copy()
-            seen = seen_radiance(environment, self._places)
-            _add_shares(self._pixel, self._share, seen, out)
+            _add_shares(pixel, share, seen_radiance(environment, places), out)
         self._last = (environment, out)
         return out
 

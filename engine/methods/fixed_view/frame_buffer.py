@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from engine.backend.cpu.penumbra import alike_neighbours
 from engine.brdf.base import ROW, SPECULAR
+from engine.numerics.borrow import borrow
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import dot, sub, vec
 from engine.scene import surface
@@ -112,7 +113,6 @@ class FrameBuffer:
     donor    (4m,) int32 the pixel whose indirect light each sub-sample takes: of the 3 x 3 around
              it the most alike in position and normal (§3.6), so that nothing leaks over edges
     spread   float       width of a pixel at unit distance
-    alike    (n,) uint8  which neighbours lie on one smooth surface, from `alike_neighbours`
     """
 
     camera: Camera
@@ -121,7 +121,12 @@ class FrameBuffer:
     sub: Points
     donor: NDArray[np.int32]
     spread: float
-    alike: NDArray[np.uint8]
+
+    @cached_property
+    def alike(self) -> NDArray[np.uint8]:
+        """(n,) uint8: which neighbours lie on one smooth surface, from `alike_neighbours`."""
+        c = self.centre
+        return alike_neighbours(c.position, c.normal, c.object, c.matt, self.camera.width)
 
 
 def build(scene: Scene) -> FrameBuffer:
@@ -167,10 +172,7 @@ def build(scene: Scene) -> FrameBuffer:
         scene.diagonal,
         donor,
     )
-    alike = alike_neighbours(
-        centre.position, centre.normal, centre.object, centre.matt, camera.width
-    )
-    return FrameBuffer(camera, centre, pixel, sub, donor, float(spread), alike)
+    return FrameBuffer(camera, centre, pixel, sub, donor, float(spread))
 
 
 @lru_cache(8)
@@ -218,6 +220,7 @@ def _describe_hits(
     start, stop, geometry, materials, triangle, b1, b2, view,
     position, normal, geometric, model, row, obj, material,
 ):  # fmt: skip
+    geometry, materials, row = borrow(geometry), borrow(materials), borrow(row)
     for i in range(start, stop):
         t = triangle[i]
         if t < 0:

@@ -13,7 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from engine.light.environment import Environment
-from engine.light.environment_samples import seen_radiance
+from engine.light.environment_samples import places_on_map, seen_radiance
 from engine.methods.free_view import Seen
 from engine.methods.glossy_prt.vertices import Vertices
 from engine.methods.glossy_prt.views import Maps, first_row, rows_of, view_vectors
@@ -24,20 +24,24 @@ from engine.scene.scene import Scene
 
 
 class Responses(NamedTuple):
-    """View-dependent vectors of m rays.
+    """View-dependent vectors of m rays, and where those lead that meet nothing.
 
-    start  (m + 1,) int64   where those of a ray begin in h: none where it
-                            meets nothing or a back, one of 3 K numbers for all
-                            corners of its triangle, or one for each
-    h      float32
+    start   (m + 1,) int64   where those of a ray begin in h: none where it
+                             meets nothing or a back, one of 3 K numbers for all
+                             corners of its triangle, or one for each
+    h       float32
+    beyond  (b,) int64       rays that meet nothing
+    places  (b, 2) float32   where on an environment's map those lead, see `places_on_map`
     """
 
     start: NDArray[np.int64]
     h: NDArray[np.float32]
+    beyond: NDArray[np.int64]
+    places: NDArray[np.float32]
 
 
 def respond(scene: Scene, vertices: Vertices, maps: Maps, seen: Seen) -> Responses:
-    """The view-dependent vectors of what rays meet."""
+    """What depends on the camera alone."""
     start = np.zeros(len(seen.triangle) + 1, np.int64)
     for_ranges(_count, len(seen.triangle), scene.geometry, vertices, maps, seen, start[1:])
     start = np.cumsum(start)
@@ -46,7 +50,8 @@ def respond(scene: Scene, vertices: Vertices, maps: Maps, seen: Seen) -> Respons
         _fill, len(seen.triangle), scene.geometry, scene.material_table, vertices, maps, seen,
         start, h, grain=2048,
     )  # fmt: skip
-    return Responses(start, h)
+    beyond = np.flatnonzero(seen.triangle < 0)
+    return Responses(start, h, beyond, places_on_map(seen.away[beyond]))
 
 
 def shade(
@@ -65,10 +70,10 @@ def shade(
     out = np.zeros((len(seen.triangle), 3), np.float32)
     for_ranges(
         _shade, len(out), scene.geometry, scene.material_table, vertices, maps, lit, seen,
-        *responses, out, grain=2048,
+        responses.start, responses.h, out, grain=2048,
     )  # fmt: skip
     if environment is not None:
-        out[seen.beyond] = seen_radiance(environment, seen.places)
+        out[responses.beyond] = seen_radiance(environment, responses.places)
     return out
 
 

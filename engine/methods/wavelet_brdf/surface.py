@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from engine.backend.cpu.penumbra import alike_neighbours
 from engine.methods.fixed_view.frame_buffer import (
     FrameBuffer,
     Points,
@@ -52,10 +51,9 @@ def buffer_of(
     if settings.level > 0:
         for points in (centre, sub):
             levels.at_least(points, settings.level, codes.each)
-    alike = alike_neighbours(centre.position, centre.normal, centre.object, centre.matt, width)
     pixels = camera.model_copy(update={"width": width, "height": height})
     donors = np.repeat(view.edge, 4)
-    return FrameBuffer(pixels, centre, view.edge, sub, donors, float(spread), alike)
+    return FrameBuffer(pixels, centre, view.edge, sub, donors, float(spread))
 
 
 def _points(scene: Scene, codes: Codes, seen: Seen, room: Points | None = None) -> Points:

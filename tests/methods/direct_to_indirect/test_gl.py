@@ -13,6 +13,7 @@ from methods.fixed_view.test_kinds import KINDS
 from methods.scenes import cornell
 from PIL import Image
 
+from engine.backend.choice import GlFirst
 from engine.backend.gl.context import device
 from engine.errors import BackendError
 from engine.methods import Product, prepare
@@ -186,6 +187,7 @@ def test_gl_that_fails_is_replaced_by_the_cpu(
 ) -> None:
     """From the frame on in which it fails, with a plain notice; other products go on with it."""
     other = copy(corner)
+    other._backend = GlFirst()
 
     def fail(*_: Any) -> None:
         raise BackendError("the GPU has fallen off")

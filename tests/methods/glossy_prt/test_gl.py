@@ -15,6 +15,7 @@ from methods.scenes import camera, rectangle, small_knot
 from numpy.typing import NDArray
 from PIL import Image
 
+from engine.backend.choice import GlFirst
 from engine.backend.gl import context
 from engine.backend.gl.context import device
 from engine.backend.gl.seen import Sight
@@ -263,6 +264,7 @@ def test_gl_that_fails_is_replaced_by_the_cpu(make: Make, monkeypatch: pytest.Mo
     """From the frame on in which it fails, with a plain notice; other products go on with it."""
     product = make(ball(GREY))
     other, expected = copy(product), product.relight(Edits(), 1, "cpu")
+    other._backend = GlFirst()
 
     def fail(*_: Any) -> None:
         raise BackendError("the GPU has fallen off")
