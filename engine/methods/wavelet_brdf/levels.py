@@ -3,8 +3,9 @@
     distance    l = clamp(log2(α d), 0, N - 1), d from the eye in diagonals of the scene: the paper
                 derives α from the bounding volume
     footprint   l = clamp(log2(Δ / (√3 δ)), 0, N - 1), Δ by how much the directions turn from a
-                pixel to the next, δ the angle of a cell: the mean over a pixel has a variance of
-                Δ² / 12, means over cells that are bilinear have one of δ² / 4
+                pixel to the next, the root mean square of both axes, δ the angle of a cell: the
+                mean over a pixel has a variance of Δ² / 12, means over cells that are bilinear have
+                one of δ² / 4
 
 From one pixel to the next a lobe moves by twice as much as the normal does, whatever bends it: the
 curve of a surface, a normal map, or triangles that are smaller than pixels. Where the surface ends
@@ -23,7 +24,7 @@ from engine.brdf.measured import LEVEL
 from engine.brdf.wavelet.encoding import Encoded
 from engine.methods.fixed_view.frame_buffer import Points
 from engine.numerics.parallel import for_ranges
-from engine.numerics.vec import length, sub, vec
+from engine.numerics.vec import dot, length, sub, vec
 
 TURN = 2.0 / math.sqrt(3.0)
 # From the finest level to the coarsest.
@@ -81,16 +82,19 @@ def _by_footprint(start, stop, normal, obj, material, width, count, angle, row):
         m = material[i]
         if m < 0 or count[m] == 0:
             continue
-        most = 0.0
-        for j, near in (
-            (i - 1, i % width > 0),
-            (i + 1, i % width < width - 1),
-            (i - width, i >= width),
-            (i + width, i + width < n),
+        turned, axes = 0.0, 0
+        for step, before, after in (
+            (1, i % width > 0, i % width < width - 1),
+            (width, i >= width, i + width < n),
         ):
-            if near and obj[j] == obj[i] and material[j] == m:
-                most = max(most, length(sub(vec(normal, j), vec(normal, i))))
-        row[i, LEVEL] = _level(TURN * most / angle[m], count[m])
+            most, met = 0.0, 0
+            for j, near in ((i - step, before), (i + step, after)):
+                if near and obj[j] == obj[i] and material[j] == m:
+                    change = sub(vec(normal, j), vec(normal, i))
+                    most, met = max(most, dot(change, change)), 1
+            turned, axes = turned + most, axes + met
+        if axes > 0:
+            row[i, LEVEL] = _level(TURN * math.sqrt(turned / axes) / angle[m], count[m])
 
 
 def copy_from(pixels: Points, points: Points) -> None:

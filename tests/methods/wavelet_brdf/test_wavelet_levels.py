@@ -91,14 +91,14 @@ def test_by_footprint_a_ball_has_more_the_fewer_pixels_it_fills(make: Make) -> N
         expected = np.log2(2 * wide / 0.5 / np.sqrt(3) / (np.pi / 64))
         middle = np.nanmean(level[n // 2 - 2 : n // 2 + 2, n // 2 - 2 : n // 2 + 2])
         assert middle == pytest.approx(expected, abs=0.1)
-        assert np.nanmax(level) > middle + 0.4
+        assert np.nanmax(level) > middle + 0.3
 
 
 # Lamp, pixels: against pictures of 12 times as many, by footprint and at the finest, measured.
 BLURRED = [
     ([-0.3, -0.4, -1], 12, 0.049, 0.325),
     ([-0.3, -0.4, -1], 24, 0.040, 0.071),
-    ([-1, -0.4, 0.2], 24, 0.175, 0.032),
+    ([-1, -0.4, 0.2], 24, 0.122, 0.032),
 ]
 
 
