@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 from engine.light.base import Light
 
 KEPT_BYTES = 256e6
+# Of each kind and light, as it was before. Nobody comes again to where a drag passed, and memory
+# that is given back costs the next picture less than fresh memory.
+KEPT_BEFORE = 3
 KEPT_LAMPS = 24
 FEW = 16  # lights of which none is remembered as a part of a sum alone
 
@@ -106,6 +109,10 @@ class LightPictures(Generic[Picture]):
 
     def _keep(self, key: Key, picture: Picture, wanted: set[Key]) -> None:
         """Remember a picture, in place of the oldest but not of one that is wanted now."""
+        what, light = key
+        before = [k for k in self._pictures if k[0] == what and k[1].id == light.id]
+        for other in [k for k in before if k not in wanted][:-KEPT_BEFORE]:
+            self._bytes -= self._pictures.pop(other).nbytes
         while self._pictures and self._bytes + picture.nbytes > KEPT_BYTES:
             oldest = next(iter(self._pictures))
             if oldest in wanted:

@@ -51,6 +51,17 @@ def test_only_the_light_that_moved_is_computed_again() -> None:
     assert total.computed == list("01234")
 
 
+def test_a_drag_leaves_little_behind_and_lights_that_are_off_are_remembered() -> None:
+    total, on = Counted(), lights(9)
+    total(on)
+    for x in range(30):
+        total((moved(on[0], x),))
+    assert total.pictures._bytes == PICTURE * (9 + light_pictures.KEPT_BEFORE)
+    total.computed.clear()
+    total((moved(on[0], 28), *on[1:]))
+    assert total.computed == []
+
+
 def test_lights_that_are_off_add_nothing() -> None:
     total, (a, b) = Counted(), lights(2)
     assert total((a, b.model_copy(update={"enabled": False})))[0, 0] == 1
