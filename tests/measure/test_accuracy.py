@@ -22,7 +22,7 @@ from engine.reference import render
 from engine.scene.edits import apply
 from engine.store import Store
 
-SIZE, CUTS, RINGS = (32, 32), 12, 12
+SIZE, CUTS, RINGS = (32, 32), 8, 8
 FIXED = {
     "light_texels": 16,
     "visibility_texels": 16,
