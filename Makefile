@@ -16,7 +16,7 @@ GL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri
 TEST_PACKAGES := $(GL_PACKAGES) chromium libatomic1
 # Most of what is of the system as a whole; the other half, which takes as long, is of its parts.
 # In an order in which both halves seldom compile the same kernels at the same time.
-SYSTEM_TESTS := tests/web tests/server tests/stability tests/measure
+SYSTEM_TESTS := tests/server tests/stability tests/cli tests/measure tests/reference tests/web
 PEER_PACKAGES := libllvm19 libatomic1
 
 .PHONY: serve test lint types pytest pytest-units pytest-system sweep test-packages bench rivals chart clean
