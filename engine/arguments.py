@@ -69,6 +69,11 @@ def settings_of(method: str, assignments: list[str] | None) -> Any:
     )
 
 
+def words(text: str) -> list[str]:
+    """["lights", "materials"] from `lights,materials`."""
+    return [part.strip() for part in text.split(",") if part.strip()]
+
+
 def knobs(sweep: list[str] | None) -> dict[str, list[Any]] | None:
     """{"coefficients": [25, 100]} from `coefficients=25,100`."""
     if sweep is None:

@@ -16,6 +16,7 @@ from engine.arguments import (
     knobs,
     known_method,
     materials_of,
+    needs_extra,
     picture_size,
     sized_scene,
 )
@@ -38,7 +39,9 @@ from engine.measure import (
 from engine.measure.chart import write_chart
 from engine.measure.document import sweep_document
 from engine.measure.growth import growth
+from engine.measure.held_out import methods_for
 from engine.measure.machine import this_machine
+from engine.measure.points import Sweep
 from engine.measure.settings import parse_assignments
 from engine.measure.stage import Thing, knot, read_thing
 from engine.measure.sweep import REFERENCE_ERROR, sweep
@@ -56,6 +59,8 @@ class Asked:
     """The words of the command line; None or an empty list where nothing was said.
 
     scenes        names or files
+    of            which edits to judge on
+    rivals        whether Mitsuba is among the others
     set           KEY=VALUE, settings that hold throughout
     sweep         KEY=A,B,...
     size          WxH
@@ -66,6 +71,8 @@ class Asked:
 
     scenes: list[str]
     methods: list[str]
+    of: str | None
+    rivals: bool
     set: list[str]
     sweep: list[str] | None
     size: str | None
@@ -115,17 +122,25 @@ def write(kinds: Sequence[str], asked: Asked, folder: Path, progress: Progress) 
 
 
 def _sweep(asked: Asked, folder: Path, progress: Progress) -> list[Path]:
-    result = sweep(
+    methods = asked.methods or (methods_for(asked.of) if asked.of else [DEFAULT_METHOD])
+    with needs_extra("peers"):
+        result = _swept(asked, [known_method(name) for name in methods], progress)
+    return write_chart(sweep_document(result, this_machine()), folder)
+
+
+def _swept(asked: Asked, methods: Sequence[str], progress: Progress) -> Sweep:
+    return sweep(
         sized_scene(asked.one_scene(), asked.size),
-        [known_method(name) for name in asked.methods or [DEFAULT_METHOD]],
+        methods,
+        of=asked.of,
         fixed=asked.fixed,
         knobs=knobs(asked.sweep),
         edits=asked.edits,
         seed=asked.seed,
         reference_error=asked.error(),
+        rivals=asked.rivals,
         progress=progress,
     )
-    return write_chart(sweep_document(result, this_machine()), folder)
 
 
 def _growth(asked: Asked, folder: Path, progress: Progress) -> list[Path]:

@@ -1,4 +1,4 @@
-"""`relight`: scenes, precompute, render, chart, bench, serve.
+"""`relight`: scenes, precompute, render, plan, chart, bench, serve.
 
 Results go to standard output, progress and warnings to standard error. What Relight refuses is one
 line and status 2 where the input is to blame, 1 where it is not; there are no tracebacks.
@@ -7,7 +7,6 @@ line and status 2 where the input is to blame, 1 where it is not; there are no t
 from __future__ import annotations
 
 import dataclasses
-import json
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -16,18 +15,17 @@ import typer
 
 from engine.arguments import (
     DEFAULT_METHOD,
-    known_method,
-    needs_extra,
     read_edits,
     settings_of,
     sized_scene,
 )
 from engine.backend.choice import wanted
+from engine.cli_measure import bench, chart, plan
 from engine.errors import InputError, NotFound, RelightError
 from engine.images import format_of, write_image
-from engine.measure.settings import parse_assignments
 from engine.methods import METHODS, prepare
 from engine.methods.base import require_supported
+from engine.options import MethodOption, SceneArgument, SetOption, SizeOption
 from engine.reference import render as render_reference
 from engine.scene.edits import apply
 from engine.scene.open import scenes as builtin_scenes
@@ -39,18 +37,6 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-
-SceneArgument = Annotated[
-    str,
-    typer.Argument(metavar="SCENE", help="a built-in scene or a scene file", show_default=False),
-]
-MethodOption = Annotated[str, typer.Option("--method", help=f"one of {', '.join(METHODS)}")]
-SetOption = Annotated[
-    list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="a setting of the method")
-]
-SizeOption = Annotated[
-    str | None, typer.Option("--size", metavar="WxH", help="pixels, in place of the scene's own")
-]
 
 
 @app.command()
@@ -142,127 +128,9 @@ def render(
     out.print(f"{to}: {1000 * frame.timings['total']:.1f} ms")
 
 
-@app.command()
-def chart(
-    to: Annotated[Path, typer.Option("--out", help="folder for the chart and its numbers")],
-    scenes: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[SCENE]...", help="a built-in scene, a scene, mesh or BRDF file"),
-    ] = None,
-    method: Annotated[list[str] | None, typer.Option(help="may be given more than once")] = None,
-    sweep: Annotated[
-        list[str] | None,
-        typer.Option("--sweep", metavar="KEY=A,B,...", help="values in place of the usual sweep"),
-    ] = None,
-    edits: Annotated[int, typer.Option(min=1, help="how many unseen light edits to judge on")] = 4,
-    seed: Annotated[int, typer.Option(min=0, help="draws the light edits")] = 1,
-    growth: Annotated[
-        bool, typer.Option("--growth", help="instead: how cost grows with scene and settings")
-    ] = False,
-    factorisation: Annotated[
-        bool,
-        typer.Option(
-            "--factorisation",
-            help="instead: how well K terms fit the scene's BRDFs, or the paper's without one",
-        ),
-    ] = False,
-    accuracy: Annotated[
-        bool,
-        typer.Option(
-            "--accuracy", help="instead: glossy_prt by material, environment, bounces and setting"
-        ),
-    ] = False,
-    environments: Annotated[
-        Path | None, typer.Option(help="folder of the maps that --accuracy takes")
-    ] = None,
-    tables: Annotated[
-        bool, typer.Option("--tables", help="instead: tables of --method's paper, or glossy_prt's")
-    ] = False,
-    figure: Annotated[
-        list[int] | None,
-        typer.Option(help="instead: figures of the paper of glossy_prt, or of --method's"),
-    ] = None,
-    floor: Annotated[
-        int | None, typer.Option(min=1, max=2048, help="cuts of the floor below a mesh file")
-    ] = None,
-    reference_error: Annotated[
-        float | None,
-        typer.Option(min=1e-4, max=1, help="relative L2 error of references; 0.05, figures 0.02"),
-    ] = None,
-    set_: SetOption = None,
-    size: SizeOption = None,
-) -> None:
-    """Chart a method's speed against its accuracy over its settings, or something else instead.
-
-    --accuracy, --tables and --figure are of a mesh file's object, or a knot; those of wavelet_brdf
-    take BRDF files too, figures of brdf_editing built-in scenes and the width of --size.
-    """
-    with needs_extra("chart"):
-        from engine import charts
-    others = {
-        "growth": growth,
-        "factorisation": factorisation,
-        "accuracy": accuracy,
-        "tables": tables,
-        "figure": figure,
-    }
-    asked = charts.Asked(
-        scenes=scenes or [],
-        methods=method or [],
-        set=set_ or [],
-        sweep=sweep,
-        size=size,
-        edits=edits,
-        seed=seed,
-        reference_error=reference_error,
-        floor=floor,
-        environments=environments,
-        figures=figure or [],
-    )
-    with progress_bars() as progress:
-        paths = charts.write([k for k in others if others[k]], asked, to, progress)
-    for path in paths:
-        out.print(str(path))
-
-
-@app.command()
-def bench(
-    scenes: Annotated[
-        list[str] | None, typer.Argument(metavar="[SCENE]...", help="in place of the usual two")
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="print JSON in place of a table")] = False,
-    history: Annotated[
-        Path | None, typer.Option(help="append the result to this file, one line of JSON")
-    ] = None,
-    method: MethodOption = DEFAULT_METHOD,
-    rivals: Annotated[
-        bool, typer.Option("--rivals", help="against Mitsuba 3, alone and denoised; takes minutes")
-    ] = False,
-    set_: SetOption = None,
-    size: SizeOption = None,
-) -> None:
-    """Time precompute and frames, as ratios to this machine's bandwidth and to other renderers."""
-    with needs_extra("chart"):
-        from engine.measure.bench import SCENES
-        from engine.measure.bench import bench as run_bench
-        from engine.measure.report import bench_tables
-    opened = [sized_scene(scene, size) for scene in scenes or SCENES]
-    with progress_bars() as progress, needs_extra("peers"):
-        document = run_bench(
-            opened,
-            progress,
-            parse_assignments(set_ or ()),
-            method=known_method(method),
-            against_rivals=rivals,
-        )
-    if history is not None:
-        history.parent.mkdir(parents=True, exist_ok=True)
-        with history.open("a") as file:
-            file.write(json.dumps(document) + "\n")
-    if as_json:
-        print(json.dumps(document, indent=1))
-    else:
-        out.print(*bench_tables(document), sep="\n")
+app.command()(chart)
+app.command()(bench)
+app.command()(plan)
 
 
 @app.command()

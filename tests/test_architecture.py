@@ -29,8 +29,9 @@ ORDER: list[set[str]] = [
     {"engine.reference", "engine.methods"},
     {"engine.measure"},
     {"engine.terminal"},
-    {"engine.arguments"},
+    {"engine.arguments", "engine.options"},
     {"engine.charts"},
+    {"engine.cli_measure"},
     {"engine.cli", "server"},
 ]
 
@@ -49,7 +50,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "matplotlib": ("engine/measure/",),
     "skimage": ("engine/measure/",),
     "flip_evaluator": ("engine/measure/",),
-    "typer": ("engine/cli.py",),
+    "typer": ("engine/cli.py", "engine/cli_measure.py", "engine/options.py"),
     "rich": ("engine/cli.py", "engine/terminal.py", "engine/measure/report.py"),
     "mitsuba": ("engine/measure/",),
     "mitsuba_oidn": ("engine/measure/",),

@@ -12,11 +12,12 @@ from engine.backend.cpu.product import multiply
 from engine.measure import bench_codes
 from engine.measure.document import finite, provenance
 from engine.measure.fresh import fresh
+from engine.measure.held_out import judged_on
 from engine.measure.machine import this_machine
 from engine.measure.material_edits import held_out_materials
 from engine.measure.probes import held_out_edits, held_out_views
 from engine.measure.settings import settings_from
-from engine.measure.sweep import DIRECT, STEP, judged_on, time_frames
+from engine.measure.sweep import STEP, time_frames
 from engine.measure.timing import repeat
 from engine.methods import METHODS
 from engine.methods.base import Progress, silent
@@ -123,9 +124,7 @@ def _bench_scene(
 
     # Brute force gets the same job, the first of the edits. Its error falls as 1/√samples, so a
     # few samples tell how long it would take to an error that can be looked at.
-    job, bounces = apply(scene, edits[0]), None
-    if method in DIRECT:
-        job, bounces = dataclasses.replace(job, environment=None), 1
+    job, bounces = apply(scene, edits[0]), 1 if METHODS[method].lamps_alone else None
     result = render(job, samples=REFERENCE_SAMPLES, max_bounces=bounces, progress=progress)
     brute_force = result.seconds * (result.error / REFERENCE_ERROR) ** 2
     camera = scene.camera

@@ -22,6 +22,16 @@ from engine.measure.document import write_json
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 GREY = "#666666"
+FRAME = "frame_seconds"
+LEAST = 0.01  # of any cost that is drawn
+WIDE = 300.0  # largest by smallest cost, beyond which only powers of ten are named
+FARTHER = [sign * (14 + 12 * k) for k in range(8) for sign in (-1, 1)]  # points, for labels
+# Words, and what they count.
+COSTS = {
+    FRAME: ("edit to linear frame, median (ms)", 1e3),
+    "bytes": ("transport (MB)", 1e-6),
+    "precompute_seconds": ("precompute (s)", 1.0),
+}
 
 Point = dict[str, Any]
 
@@ -43,35 +53,73 @@ def write_figure(figure: Figure, document: dict[str, Any], folder: Path, name: s
 
 
 def draw(document: dict[str, Any]) -> Figure:
-    """The figure: frame time in milliseconds against relative error in percent, both log."""
-    figure = Figure(figsize=(8.0, 5.4), layout="constrained")
-    axes = figure.add_subplot()
-    lines = _lines(document)
-    _set_up_axes(axes, document)
-    _draw_front(axes, document)
-    _draw_floor(axes, document)
-    labels: list[tuple[float, float, str, str]] = []
+    """The figure: relative error in percent against frame time, bytes and precompute, all log."""
+    figure = Figure(figsize=(12.6, 5.4), layout="constrained")
+    panels = figure.subplots(1, 3, sharey=True, width_ratios=(2.1, 1, 1))
+    for axes, (cost, (words, _)) in zip(panels, COSTS.items(), strict=True):
+        _set_up_axes(axes, document, cost)
+        axes.set_xlabel(words)
+        _draw_front(axes, document, cost)
+        for number, points in enumerate(_lines(document).values()):
+            x = [_cost(p, cost) for p in points]
+            axes.plot(x, [_percent(p, document) for p in points], **line_style(number, size=6))
+        for point in document["points"]:
+            if not point["knob"]:
+                place = _cost(point, cost), _percent(point, document)
+                axes.plot(*place, "o", markersize=11, markerfacecolor="none", markeredgecolor="k")
+    main = panels[0]
+    main.set_ylabel("relative L² error without edges (%)")
+    _draw_floor(main, document)
+    _draw_others(main, document)
+    _place_labels(figure, main, _labels(document))
+    main.set_title(_title(document), loc="left", fontsize=11)
+    figure.supxlabel(_caption(document), fontsize=7, color=GREY, x=0.01, ha="left")
+    return figure
+
+
+def _labels(document: dict[str, Any]) -> list[tuple[float, float, str, str]]:
+    """(x, y, words, colour) of every point of the first panel.
+
+    A line's name stands at its largest value that is not the default.
+    """
+    labels, lines = [], _lines(document)
     for number, ((method, knob), points) in enumerate(lines.items()):
-        colour = COLOURS[number % len(COLOURS)]
-        x, y = [_ms(p) for p in points], [_percent(p, document) for p in points]
-        axes.plot(x, y, **line_style(number, size=6))
         name = knob if len({m for m, _ in lines}) == 1 else f"{method} {knob}"
-        # The line's name stands at its largest value that is not the default.
         named = max((k for k, p in enumerate(points) if p["knob"]), default=0)
         for k, point in enumerate(points):
             value = _short(point["settings"][knob])
             if point["knob"]:
                 text = f"{name} = {value}" if k == named else value
-                labels.append((x[k], y[k], text, colour))
+                place = _cost(point, FRAME), _percent(point, document)
+                labels.append((*place, text, COLOURS[number % len(COLOURS)]))
     for point in document["points"]:
         if not point["knob"]:
-            x_, y_ = _ms(point), _percent(point, document)
-            axes.plot(x_, y_, "o", markersize=11, markerfacecolor="none", markeredgecolor="black")
-            labels.append((x_, y_, "defaults", "black"))
-    _place_labels(figure, axes, labels)
-    axes.set_title(_title(document), loc="left", fontsize=11)
-    figure.supxlabel(_caption(document), fontsize=7, color=GREY, x=0.01, ha="left")
-    return figure
+            several = len({p["method"] for p in document["points"]}) > 1
+            words = point["method"] if several else "defaults"
+            labels.append((_cost(point, FRAME), _percent(point, document), words, "black"))
+    for points in _others(document):
+        place = _cost(points[0], FRAME), _percent(points[0], document)
+        labels.append((*place, f"{points[0]['method']}, 1 sample", GREY))
+        labels += [
+            (_cost(p, FRAME), _percent(p, document), _short(p["settings"]["samples"]), GREY)
+            for p in points[1:]
+        ]
+    return labels
+
+
+def _others(document: dict[str, Any]) -> list[list[Point]]:
+    """The points of each that needs no precompute, by their samples."""
+    names = dict.fromkeys(p["method"] for p in document["others"])
+    return [[p for p in document["others"] if p["method"] == name] for name in names]
+
+
+def _draw_others(axes: Axes, document: dict[str, Any]) -> None:
+    for number, points in enumerate(_others(document)):
+        x, y = [_cost(p, FRAME) for p in points], [_percent(p, document) for p in points]
+        dashes = (0, (5, 1 + 2 * number))
+        axes.plot(
+            x, y, marker=MARKERS[number], markersize=4, linestyle=dashes, color=GREY, linewidth=1.2
+        )
 
 
 def _lines(document: dict[str, Any]) -> dict[tuple[str, str], list[Point]]:
@@ -89,17 +137,18 @@ def _lines(document: dict[str, Any]) -> dict[tuple[str, str], list[Point]]:
     return lines
 
 
-def _set_up_axes(axes: Axes, document: dict[str, Any]) -> None:
+def _set_up_axes(axes: Axes, document: dict[str, Any], cost: str) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.set_xlabel("edit to linear frame, median (ms)")
-    axes.set_ylabel("relative L² error without edges (%)")
     for axis in (axes.xaxis, axes.yaxis):
         plain_numbers(axis)
     quiet(axes)
-    x = [_ms(p) for p in document["points"]]
-    y = [_percent(p, document) for p in document["points"]]
+    every = [*document["points"], *(document["others"] if cost == FRAME else [])]
+    x = [_cost(p, cost) for p in every]
+    y = [_percent(p, document) for p in [*document["points"], *document["others"]]]
     axes.set_xlim(min(x) / 1.35, max(x) * 1.6)
+    if max(x) > WIDE * min(x):
+        axes.xaxis.set_major_locator(LogLocator())
     axes.set_ylim(min([*y, 100 * _floor(document)]) / 1.3, max(y) * 1.3)
 
 
@@ -129,10 +178,11 @@ def line_style(number: int, size: float = 5.0) -> dict[str, Any]:
     }
 
 
-def _draw_front(axes: Axes, document: dict[str, Any]) -> None:
+def _draw_front(axes: Axes, document: dict[str, Any], cost: str) -> None:
     """A broad grey stair below which no setting comes."""
-    front = sorted((p for p in document["points"] if p["pareto"]), key=_ms)
-    x, y = [_ms(p) for p in front], [_percent(p, document) for p in front]
+    of_front = [p for p in document["points"] if cost in p["fronts"]]
+    front = sorted(of_front, key=lambda point: _cost(point, cost))
+    x, y = [_cost(p, cost) for p in front], [_percent(p, document) for p in front]
     right, top = axes.get_xlim()[1], axes.get_ylim()[1]
     axes.step(
         [x[0], *x, right],
@@ -176,11 +226,11 @@ def _place_labels(
     points = [axes.transData.transform((x, y)) for x, y, _, _ in labels]
     taken = [(px - 5, py - 5, px + 5, py + 5) for px, py in points]
     for (x, y, text, colour), (px, py) in zip(labels, points, strict=True):
-        width, height = 5.0 * len(text) * figure.dpi / 72, 9.0 * figure.dpi / 72
+        width, height = 5.0 * len(text) * figure.dpi / 72, 11.0 * figure.dpi / 72
         left_of = -7 - 4.6 * len(text)
         places = [(7, -3), (7, 6), (7, -13), (-3, 9), (-3, -16), (left_of, 5)]
         # Where lines crowd, farther off.
-        places += [(x, y) for y in (-14, 16, -26, 28, -38, 40, -50, 52) for x in (left_of, 7)]
+        places += [(x, y) for y in FARTHER for x in (left_of, 7)]
         for dx, dy in places:
             left, low = px + dx * figure.dpi / 72, py + dy * figure.dpi / 72
             box = (left, low, left + width, low + height)
@@ -202,8 +252,10 @@ def _overlap(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
     return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 
-def _ms(point: Point) -> float:
-    return 1000 * float(point["frame_seconds"]["median"])
+def _cost(point: Point, cost: str) -> float:
+    value = point["frame_seconds"]["median"] if cost == FRAME else point[cost]
+    # What costs nothing has no place on a logarithm.
+    return max(LEAST, COSTS[cost][1] * float(value))
 
 
 def _percent(point: Point, document: dict[str, Any]) -> float:

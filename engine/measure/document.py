@@ -11,8 +11,11 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from engine.measure.machine import Machine
-from engine.measure.points import MAIN_ERROR, Point, Sweep, pareto_front
+from engine.measure.points import COSTS, MAIN_ERROR, Point, Sweep, pareto_front
+from engine.scene.edits import Edits
 
 
 def provenance() -> dict[str, Any]:
@@ -45,28 +48,36 @@ def _commit() -> str | None:
 
 def sweep_document(sweep: Sweep, machine: Machine) -> dict[str, Any]:
     """A sweep as JSON; times in seconds, numbers that are not finite as null."""
-    front = pareto_front(sweep.points)
-    camera = sweep.scene.camera
+    trial = sweep.trial
+    camera = trial.scene.camera
+    fronts = {cost: pareto_front(sweep.points, cost) for cost in COSTS}
     document = {
         **provenance(),
         "machine": machine.as_dict(),
-        "scene": sweep.scene.name,
+        "scene": trial.scene.name,
         "width": camera.width,
         "height": camera.height,
-        "triangles": len(sweep.scene.geometry.triangles),
+        "triangles": len(trial.scene.geometry.triangles),
         "seed": sweep.seed,
         "main_error": MAIN_ERROR,
-        "edge_share": sweep.edge_share,
-        "edits": [edit.model_dump(mode="json", exclude_none=True) for edit in sweep.edits],
+        "edge_share": float(np.mean([1.0 - kept.mean() for kept in trial.kept])),
+        "edits": [_edit(edit) for edit in trial.edits],
+        "drag": {"edits": [_edit(edit) for edit in trial.path], "own_change": trial.own_change},
         "references": [
             {"error": t.error, "floor": floor, "seconds": t.seconds, "samples": t.samples}
-            for t, floor in zip(sweep.truths, sweep.floors, strict=True)
+            for t, floor in zip(trial.truths, trial.floors, strict=True)
         ],
         "points": [
-            {**point_document(point), "pareto": k in front} for k, point in enumerate(sweep.points)
+            {**point_document(point), "fronts": [cost for cost in COSTS if k in fronts[cost]]}
+            for k, point in enumerate(sweep.points)
         ],
+        "others": [point_document(point) for point in sweep.others],
     }
     return finite(document)
+
+
+def _edit(edit: Edits) -> dict[str, Any]:
+    return edit.model_dump(mode="json", exclude_none=True)
 
 
 def point_document(point: Point) -> dict[str, Any]:

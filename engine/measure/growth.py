@@ -15,13 +15,11 @@ import numpy as np
 
 from engine.errors import InputError
 from engine.measure import levels
-from engine.measure.edges import scene_edges
-from engine.measure.metrics import resolution
 from engine.measure.points import Point
 from engine.measure.probes import held_out_edits, held_out_turns, held_out_views, many_lights
 from engine.measure.settings import settings_from
 from engine.measure.sweep import REFERENCE_ERROR, along, measure
-from engine.measure.truth import truth
+from engine.measure.trial import Trial, masks_of, trial_of
 from engine.methods import METHODS
 from engine.methods.base import Progress, silent
 from engine.scene.edits import Edits, edited_camera
@@ -108,7 +106,6 @@ def growth(
         larger = _grown_scene(scene, axis, value, seed)
         extra = {**along(method, axis, value), axis: value} if axis in settings_of else {}
         settings = settings_from(METHODS[method].settings, {**fixed, **extra})
-        kept, floor, truths = ~scene_edges(larger), 0.0, []
         if "lights" in METHODS[method].edits:
             moves = (
                 _moves_of_one(larger, edits, seed)
@@ -116,12 +113,13 @@ def growth(
                 else held_out_edits(larger, edits, seed)
             )
             views = []
-            truths = [truth(larger, e, reference_error, store or Store(), progress) for e in moves]
-            floor = max(resolution(t.image, t.variance, kept) for t in truths)
+            trial = trial_of(larger, moves, reference_error, store or Store(), progress)
         else:
             moves = held_out_turns(larger, edits, seed)
             views = held_out_views(larger, edits, seed)
-        point = measure(larger, method, axis, settings, moves, truths, kept, progress, views)
+            trial = Trial(larger, moves, [], masks_of(larger, moves), [], [])
+        point = measure(trial, method, axis, settings, progress, views)
+        floor = max(trial.floors, default=0.0)
         grown.append(Grown(_size(larger, axis, value), floor, point))
     progress("sizes", len(cases), len(cases))
     return grown

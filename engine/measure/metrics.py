@@ -8,7 +8,7 @@ transform at an exposure in stops.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import flip_evaluator
 import numpy as np
@@ -115,6 +115,27 @@ METRICS: dict[str, Callable[..., float]] = {
     "flip_hdr": flip_hdr,
 }
 """Every metric by name; smaller is better, but for `psnr`."""
+
+
+def flicker(
+    frames: Sequence[Image],
+    references: Sequence[Image],
+    mask: Mask | None = None,
+    variances: Sequence[Image] | None = None,
+) -> float:
+    """How much of what changes from frame to frame is not change of the truth, on average.
+
+    ‖(f′ - f) - (r′ - r)‖ / ‖r‖ over frames f and references r in order: an error that stays where
+    it is does not flicker. The references' noise, each its own, is taken out as in `relative_l2`.
+    """
+    found = []
+    for k in range(len(frames) - 1):
+        (a, r), (b, s) = (_pair(frames[j], references[j], mask) for j in (k, k + 1))
+        noise = [0.0 if variances is None else _noise(variances[j], mask) for j in (k, k + 1)]
+        moved = max(0.0, float(np.sum(((b - a) - (s - r)) ** 2)) - sum(noise))
+        norm = max(0.0, float(np.sum(r**2)) - noise[0])
+        found.append(math.sqrt(moved / norm) if norm > 0 else math.inf if moved > 0 else 0.0)
+    return float(np.mean(found))
 
 
 def auto_exposure(reference: Image) -> float:

@@ -35,15 +35,20 @@ CUTS = 4  # of a pixel of an environment map, along both sides
 
 
 def mitsuba_scene(
-    scene: Scene, folder: Path, lamp_albedo: tuple[float, float, float] = (0, 0, 0)
+    scene: Scene,
+    folder: Path,
+    max_bounces: int | None = None,
+    lamp_albedo: tuple[float, float, float] = (0, 0, 0),
 ) -> Any:
     """The scene as Mitsuba's own, with its path integrator; its meshes are written to `folder`.
+
+    Light is cut off after `max_bounces`, if there is such a number.
 
     Mitsuba's lamps are solid: they get the albedo `lamp_albedo` of what is behind them.
     """
     document: Node = {
         "type": "scene",
-        "integrator": {"type": "path", "max_depth": -1},
+        "integrator": {"type": "path", "max_depth": -1 if max_bounces is None else max_bounces + 1},
         "sensor": _sensor(scene),
     }
     for index, material in enumerate(scene.materials):

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from engine.measure.timing import Timing
-from engine.measure.truth import Truth
-from engine.scene.edits import Edits
-from engine.scene.scene import Scene
+from engine.measure.trial import Trial
 
 MAIN_ERROR = "relative_l2"
 
@@ -19,7 +17,8 @@ class Point:
     """One setting of a method, measured.
 
     knob        the setting that was swept; empty for the defaults
-    error       mean over the edits of each metric of `engine.measure.metrics`, edges left out
+    error       mean over the edits of each metric of `engine.measure.metrics`, edges left out, and
+                the flicker of a drag
     errors      the same per edit
     frame       seconds from light edit to linear frame, all edits, every part's median beside
     bytes       transport
@@ -45,28 +44,32 @@ class Point:
 
 @dataclass(frozen=True)
 class Sweep:
-    """All points of a scene.
+    """All points of a trial.
 
-    edits       the light edits that they were judged on
-    truths      the reference of each
-    floors      per reference, the smallest error that its noise lets one see
-    edge_share  of the pixels, left out
+    points  settings of methods
+    others  what one would do without a precompute
     """
 
-    scene: Scene
-    edits: list[Edits]
-    truths: list[Truth]
-    floors: list[float]
-    edge_share: float
+    trial: Trial
     points: list[Point]
+    others: list[Point]
     seed: int
 
 
-def pareto_front(points: Sequence[Point], metric: str = MAIN_ERROR) -> list[int]:
-    """Indices of the points that no other point beats in both error and frame time, by time."""
-    order = sorted(
-        range(len(points)), key=lambda k: (points[k].frame.median, points[k].error[metric])
-    )
+COSTS: dict[str, Callable[[Point], float]] = {
+    "frame_seconds": lambda point: point.frame.median,
+    "bytes": lambda point: float(point.bytes),
+    "precompute_seconds": lambda point: point.precompute,
+}
+"""What a small error may cost."""
+
+
+def pareto_front(
+    points: Sequence[Point], cost: str = "frame_seconds", metric: str = MAIN_ERROR
+) -> list[int]:
+    """Indices of the points that no other beats in both error and cost, the cheapest first."""
+    price = COSTS[cost]
+    order = sorted(range(len(points)), key=lambda k: (price(points[k]), points[k].error[metric]))
     front: list[int] = []
     for k in order:
         if not front or points[k].error[metric] < points[front[-1]].error[metric]:

@@ -12,10 +12,7 @@ say, each in its own way (`mitsuba_scene.differences`), and edges are left out f
 from __future__ import annotations
 
 import math
-import tempfile
 from collections.abc import Sequence
-from importlib.util import find_spec
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,7 +20,7 @@ from numpy.typing import NDArray
 
 from engine.measure.edges import scene_edges
 from engine.measure.halves import Halves
-from engine.measure.mitsuba_variant import fastest_variant
+from engine.measure.mitsuba_renderer import Mitsuba, take_fastest
 from engine.measure.probes import nudged
 from engine.measure.sweep import STEP, time_frames
 from engine.measure.timing import repeat
@@ -37,16 +34,9 @@ REPEATS = 9
 REFERENCE_ERROR = 0.05  # of each half, whose noise is taken out: see `halves`
 REFERENCE_SAMPLES = 256  # of each of Mitsuba's
 MOST_SAMPLES = 1024  # that the denoiser is given in the end
-PASS = 1 << 22  # samples that Mitsuba holds in memory at once
-GUIDE_SAMPLES = 64
 QUALITIES = ("Fast", "Balanced", "High")  # the denoiser's
 
 Image = NDArray[np.float32]
-
-# Say what is missing before there is work to lose. They are imported when it is clear how.
-for _name in ("mitsuba", "mitsuba_oidn"):
-    if find_spec(_name) is None:
-        raise ModuleNotFoundError(f"no module named {_name}", name=_name.replace("_", "-"))
 
 
 def rivals(
@@ -60,12 +50,10 @@ def rivals(
     store: Store | None = None,
 ) -> dict[str, Any]:
     """Times of ours, Mitsuba's and Mitsuba's denoised pictures of every edit, as JSON."""
-    variant = fastest_variant()
-    import mitsuba as mi
+    variant, version = take_fastest()
 
     from engine.measure.mitsuba_scene import differences
 
-    mi.set_variant(variant)
     mask = ~scene_edges(scene)
     found: list[dict[str, Any]] = []
     for number, edit in enumerate(edits):
@@ -84,7 +72,7 @@ def rivals(
             "relative_l2": halves.relative_l2(image),
             "psnr": halves.psnr(image),
         }
-        theirs = _Mitsuba(apply(scene, edit))
+        theirs = Mitsuba(apply(scene, edit))
         mitsuba, judge = _plain(theirs, ours["relative_l2"], reference_samples, mask)
         denoised = _denoised(theirs, ours["psnr"], judge)
         found.append(
@@ -101,50 +89,11 @@ def rivals(
     progress("rivals", len(edits), len(edits))
     names = ("mitsuba_over_ours", "denoised_over_ours")
     medians = {name: float(np.median([f[name] for f in found])) for name in names}
-    return {"variant": variant, "version": mi.__version__, "edits": found, "ratios": medians}
-
-
-class _Mitsuba:
-    """A scene that is ready to be rendered."""
-
-    def __init__(self, scene: Scene) -> None:
-        import mitsuba as mi
-
-        from engine.measure.mitsuba_scene import mitsuba_scene
-
-        with tempfile.TemporaryDirectory(prefix="relight-mitsuba-") as folder:
-            self._scene = mitsuba_scene(scene, Path(folder))
-        self._pixels = scene.camera.width * scene.camera.height
-        # Albedo and normals of the first hits, for the denoiser.
-        guides = mi.load_dict({"type": "aov", "aovs": "albedo:albedo,normal:sh_normal"})
-        picture = np.array(mi.render(self._scene, integrator=guides, spp=GUIDE_SAMPLES), np.float32)
-        self._albedo = np.ascontiguousarray(picture[..., :3])
-        self._normal = np.ascontiguousarray(picture[..., 3:6])
-
-    def picture(self, samples: int, seed: int) -> Image:
-        """(h, w, 3) float32, linear radiance."""
-        import mitsuba as mi
-
-        most = max(1, PASS // self._pixels)
-        total = np.zeros(0, np.float32)
-        for done in range(0, samples, most):
-            count = min(most, samples - done)
-            part = np.array(mi.render(self._scene, spp=count, seed=1000 * seed + done), np.float32)
-            total = part * count if not done else total + part * count
-        return total / np.float32(samples)
-
-    def denoised(self, samples: int, seed: int, quality: str) -> Image:
-        """The same through the denoiser."""
-        import mitsuba_oidn as oidn
-
-        noisy, level = self.picture(samples, seed), oidn.Quality[quality]
-        guides = (self._albedo, self._normal)
-        clean = oidn.denoise(noisy, *guides, hdr=True, clean_aux=True, quality=level)
-        return np.array(clean, np.float32)
+    return {"variant": variant, "version": version, "edits": found, "ratios": medians}
 
 
 def _plain(
-    theirs: _Mitsuba, error: float, samples: int, mask: NDArray[np.bool_]
+    theirs: Mitsuba, error: float, samples: int, mask: NDArray[np.bool_]
 ) -> tuple[dict[str, float], Halves]:
     """What Mitsuba alone needs for a relative L2 error, and converged pictures of it.
 
@@ -164,7 +113,7 @@ def _plain(
     }, judge
 
 
-def _denoised(theirs: _Mitsuba, psnr: float, judge: Halves) -> dict[str, Any]:
+def _denoised(theirs: Mitsuba, psnr: float, judge: Halves) -> dict[str, Any]:
     """What Mitsuba and the denoiser need for a PSNR, at the quality that is there first."""
     best: dict[str, Any] = {"reached": False, "seconds": math.inf}
     for quality in QUALITIES:
@@ -191,9 +140,7 @@ def _denoised(theirs: _Mitsuba, psnr: float, judge: Halves) -> dict[str, Any]:
     return best
 
 
-def _denoised_point(
-    theirs: _Mitsuba, quality: str, samples: int, judge: Halves
-) -> dict[str, float]:
+def _denoised_point(theirs: Mitsuba, quality: str, samples: int, judge: Halves) -> dict[str, float]:
     pictures: list[Image] = []
     timing = repeat(
         lambda: pictures.append(theirs.denoised(samples, 10 + len(pictures), quality)), count=3

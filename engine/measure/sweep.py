@@ -10,20 +10,21 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 
-from engine.errors import InputError, NotFound
-from engine.measure.edges import scene_edges
+from engine.errors import NotFound
 from engine.measure.fresh import fresh
-from engine.measure.material_edits import held_out_materials
-from engine.measure.metrics import all_metrics, resolution
+from engine.measure.held_out import judged_on
+from engine.measure.others import others
 from engine.measure.points import Point, Sweep
-from engine.measure.probes import held_out_edits, held_out_turns, nudged
+from engine.measure.probes import nudged
 from engine.measure.settings import settings_from
 from engine.measure.timing import Timing
-from engine.measure.truth import Truth, truth
+from engine.measure.trial import Trial, trial_of
 from engine.methods import METHODS
 from engine.methods.base import Frame, Product, Progress, silent
 from engine.scene.edits import Edits
@@ -67,8 +68,6 @@ SWEEPS: dict[str, dict[str, tuple[Any, ...]]] = {
 }
 """Per method: the settings to sweep and their values."""
 
-JUDGED_ON = "materials", "lights", "environment"
-DIRECT = {"wavelet_brdf"}  # methods whose light is reflected once; they are judged on moved lights
 REPEATS = 9
 NEW_VIEW = "new view"  # a part of `Point.parts`
 STEP = 1e-3  # of the scene's size
@@ -92,6 +91,16 @@ def variants(
     return found
 
 
+def _known_to(method: str, methods: Sequence[str], chosen: Mapping[str, Any]) -> dict[str, Any]:
+    """Of chosen settings those that a method has; all of them where no other of `methods` does."""
+    kinds = {m: [f.name for f in fields(METHODS[m].settings)] for m in methods if m in METHODS}
+    return {
+        name: value
+        for name, value in chosen.items()
+        if name in kinds.get(method, ()) or not any(name in names for names in kinds.values())
+    }
+
+
 def along(method: str, knob: str, value: Any) -> dict[str, Any]:
     """Settings that go with a value of another; wavelets are counted where clusters are not."""
     if method == "glossy_prt" and knob == "light_texels":
@@ -105,96 +114,77 @@ def sweep(
     scene: Scene,
     methods: Sequence[str],
     *,
+    of: str | None = None,
     fixed: Mapping[str, Any] | None = None,
     knobs: Mapping[str, Sequence[Any]] | None = None,
     edits: int = 4,
     seed: int = 1,
     reference_error: float = REFERENCE_ERROR,
+    rivals: bool = False,
     store: Store | None = None,
     progress: Progress = silent,
 ) -> Sweep:
-    """Measure every variant of every method on a scene.
+    """Measure every variant of every method on a scene, and what one would do without them.
 
+    of               what is edited; see `engine.measure.held_out.kind_of_edits`
     fixed            settings that hold for every point
     knobs            what to sweep in place of SWEEPS
-    edits            how many light edits to judge on
+    edits            how many edits to judge on
     reference_error  relative L2 error that the references are rendered to
+    rivals           whether Mitsuba 3 is among the others
     store            where references are kept
     """
-    todo = [(m, knob, s) for m in methods for knob, s in variants(m, fixed or {}, knobs)]
-    scene, held_out = judged_on(scene, methods, edits, seed)
-    truths = []
-    for number, edit in enumerate(held_out):
-        progress("references", number, edits)
-        args = (scene, edit, reference_error, store or Store(), progress)
-        truths.append(truth(*args, max_bounces=1 if set(methods) <= DIRECT else None))
-    progress("references", edits, edits)
-    kept = ~scene_edges(scene)
-    floor = [resolution(t.image, t.variance, kept) for t in truths]
-
+    if rivals:
+        import_module("engine.measure.mitsuba_renderer")  # says what is missing before the work
+    todo = [
+        (method, knob, settings)
+        for method in methods
+        for knob, settings in variants(
+            method,
+            _known_to(method, methods, fixed or {}),
+            None if knobs is None else _known_to(method, methods, knobs),
+        )
+    ]
+    scene, held_out = judged_on(scene, methods, edits, seed, of)
+    # Where nobody carries what is reflected twice, it is not asked for.
+    bounces = 1 if all(METHODS[m].lamps_alone for m in methods) else None
+    trial = trial_of(
+        scene, held_out, reference_error, store or Store(), progress,
+        max_bounces=bounces, drag=True,
+    )  # fmt: skip
     points = []
     for number, (method, knob, settings) in enumerate(todo):
         progress("settings", number, len(todo))
-        points.append(measure(scene, method, knob, settings, held_out, truths, kept, progress))
+        points.append(measure(trial, method, knob, settings, progress))
     progress("settings", len(todo), len(todo))
-    return Sweep(scene, held_out, truths, floor, float(1.0 - kept.mean()), points, seed)
-
-
-def judged_on(
-    scene: Scene, methods: Sequence[str], count: int, seed: int
-) -> tuple[Scene, list[Edits]]:
-    """(scene, edits) that methods are judged on: of lights, of materials, or turns of the sky.
-
-    A method that carries no lights is judged without the scene's own.
-    """
-    taken = {
-        next(key for key in JUDGED_ON[method in DIRECT :] if key in METHODS[method].edits)
-        for method in methods
-    }
-    if len(taken) > 1:
-        raise InputError(
-            f"{', '.join(methods)} take different edits: chart them one by one", field="method"
-        )
-    if taken == {"lights"}:
-        return scene, held_out_edits(scene, count, seed)
-    if taken == {"materials"}:
-        return scene, held_out_materials(scene, count, seed)
-    return scene.with_lights(()), held_out_turns(scene, count, seed)
+    return Sweep(trial, points, others(trial, bounces, rivals, progress), seed)
 
 
 def measure(
-    scene: Scene,
+    trial: Trial,
     method: str,
     knob: str,
     settings: Any,
-    edits: list[Edits],
-    truths: list[Truth],
-    kept: np.ndarray,
     progress: Progress,
     views: Sequence[Edits] = (),
 ) -> Point:
-    """A fresh precompute: its time and size, and its frames of the edits against their truths.
+    """A fresh precompute: its time and size, and its frames of the trial against their truths.
 
-    kept (h, w) bool are the pixels that count. Without truths there are no errors. Of frames of
-    which each has another one of the views, the median time is added to the parts.
+    Of frames of which each has another one of the views, the median time is added to the parts.
     """
-    with fresh(scene, method, settings, progress) as made:
-        frames, timing, parts = time_frames(made.product, edits, REPEATS, STEP * scene.diagonal)
-        errors = [
-            all_metrics(frame.image, truth.image, kept, truth.variance)
-            for frame, truth in zip(frames, truths, strict=bool(truths))
-        ]
+    step = STEP * trial.scene.diagonal
+    with fresh(trial.scene, method, settings, progress) as made:
+        frames, timing, parts = time_frames(made.product, trial.edits, REPEATS, step)
+        errors = trial.errors([frame.image for frame in frames])
+        dragged = [made.product.relight(edit).image for edit in trial.path]
         if views:
-            _, viewing, _ = time_frames(made.product, views, REPEATS, STEP * scene.diagonal)
+            _, viewing, _ = time_frames(made.product, views, REPEATS, step)
             parts[NEW_VIEW] = viewing.median
         return Point(
             method=method,
             knob=knob,
             settings=dataclasses.asdict(settings),
-            error={
-                name: float(np.mean([e[name] for e in errors]))
-                for name in (errors[0] if errors else ())
-            },
+            error=trial.mean_error(errors, dragged),
             errors=errors,
             frame=timing,
             parts=parts,

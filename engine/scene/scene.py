@@ -109,6 +109,10 @@ class Scene:
         """The same scene seen from elsewhere; geometry and ray tracer are shared."""
         return self._sharing(camera=camera)
 
+    def with_environment(self, environment: Environment | None) -> Scene:
+        """The same scene in another environment, or in none; geometry and ray tracer are shared."""
+        return self._sharing(environment=environment)
+
     def _sharing(self, **changes: object) -> Scene:
         other = replace(self, **changes)  # type: ignore[arg-type]
         for name in ("rays", "diagonal", "transport_digest"):

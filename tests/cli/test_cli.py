@@ -263,7 +263,7 @@ def test_chart_of_a_small_sweep(relight: Relight) -> None:
         "--method",
         "direct_to_indirect",
         "--size",
-        "40x40",
+        "24x24",
         "--set",
         "gather_samples=1024",
         "--sweep",
@@ -282,7 +282,14 @@ def test_chart_of_a_small_sweep(relight: Relight) -> None:
     points = document["points"]
     assert [p["settings"]["coefficients"] for p in points[1:]] == [4, 64]
     assert all(p["settings"]["gather_samples"] == 1024 for p in points)
-    assert any(p["pareto"] for p in points)
+    for cost in ("frame_seconds", "bytes", "precompute_seconds"):
+        assert any(cost in p["fronts"] for p in points)
+    traced = document["others"]
+    assert {p["method"] for p in traced} == {"path tracer"}
+    assert [p["settings"]["samples"] for p in traced[:3]] == [1, 4, 16]
+    assert traced[0]["error"]["relative_l2"] > traced[2]["error"]["relative_l2"]
+    assert 0 <= points[2]["error"]["flicker"] < traced[0]["error"]["flicker"]
+    assert 0 < document["drag"]["own_change"] < 1
     for p in points:
         assert p["bytes"] > 0
         assert p["precompute_seconds"] > 0
@@ -290,6 +297,22 @@ def test_chart_of_a_small_sweep(relight: Relight) -> None:
         assert len(p["errors"]) == len(document["edits"]) == len(document["references"]) == 2
     assert points[1]["bytes"] < points[2]["bytes"]
     assert document["machine"]["memory_read_gb_s"] > 0
+
+
+def test_a_plan_in_words_and_as_json(relight: Relight) -> None:
+    asked = ["plan", "cornell-box", "--edits", "lights", "--error", "0.6", "--size", "16x16"]
+    run = relight(*asked, "--method", "wavelet_brdf")
+    assert run.returncode == 0, run.stderr
+    first, *others = run.stdout.splitlines()
+    assert first.startswith("wavelet_brdf: ")
+    assert "which holds 60 %" in first
+    assert any("cells = 16: the least is enough" in line for line in others)
+    document = json.loads(relight(*asked, "--method", "wavelet_brdf", "--json").stdout)
+    assert document["method"] == "wavelet_brdf"
+    assert document["holds"]
+    assert document["settings"]["cells"] == 16
+    assert "glossy_prt" in relight.fails(2, "plan", "cornell-box", "--edits", "environment,lights",
+                                         "--method", "glossy_prt")  # fmt: skip
 
 
 def test_growth_of_one_setting(relight: Relight) -> None:
@@ -308,8 +331,11 @@ def test_rivals_that_are_not_installed_are_named(
     relight: Relight, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Before there is a precompute to wait for."""
-    monkeypatch.delitem(sys.modules, "engine.measure.rivals", raising=False)
+    for name in ("rivals", "mitsuba_renderer"):
+        monkeypatch.delitem(sys.modules, f"engine.measure.{name}", raising=False)
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     line = relight.fails(1, "bench", "cornell-box", "--size", "16x16", "--rivals")
     assert "mitsuba" in line
+    assert "relight[peers]" in line
+    line = relight.fails(1, "chart", "cornell-box", "--size", "16x16", "--rivals", "--out", "chart")
     assert "relight[peers]" in line

@@ -13,13 +13,13 @@ from PIL import Image
 
 from engine.measure.chart import draw, write_chart
 from engine.measure.document import finite, provenance
-from engine.measure.points import Point, pareto_front
+from engine.measure.points import COSTS, Point, pareto_front
 from engine.measure.timing import Timing
 
 
-def point(milliseconds: float, error: float) -> Point:
+def point(milliseconds: float, error: float, size: int = 0) -> Point:
     timing = Timing((milliseconds / 1000,))
-    return Point("m", "k", {}, {"relative_l2": error}, [], timing, {}, 0, 0.0, [])
+    return Point("m", "k", {}, {"relative_l2": error}, [], timing, {}, size, 0.0, [])
 
 
 def test_the_front_holds_what_nothing_beats() -> None:
@@ -28,6 +28,12 @@ def test_the_front_holds_what_nothing_beats() -> None:
     ]
     assert pareto_front(points) == [1, 5, 0]
     assert pareto_front(points[:1]) == [0]
+
+
+def test_bytes_have_a_front_of_their_own() -> None:
+    points = [point(t, e, size) for t, e, size in [(1, 0.1, 30), (2, 0.2, 10), (3, 0.3, 20)]]
+    assert pareto_front(points) == [0]
+    assert pareto_front(points, "bytes") == [1, 0]
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -63,11 +69,23 @@ def document() -> dict[str, Any]:
                 "method": "direct_to_indirect",
                 "knob": knob,
                 "settings": {**defaults, **changes},
-                "pareto": error < 0.05,
+                "fronts": list(COSTS) if error < 0.05 else [],
                 "error": {"relative_l2": error},
                 "frame_seconds": {"median": ms / 1000},
+                "bytes": 1e6 * ms,
+                "precompute_seconds": float(ms),
             }
             for knob, changes, ms, error in rows
+        ],
+        "others": [
+            {
+                "method": "path tracer",
+                "knob": "samples",
+                "settings": {"samples": n},
+                "error": {"relative_l2": n**-0.5},
+                "frame_seconds": {"median": 0.1 * n},
+            }
+            for n in (1, 4, 16)
         ],
     }
 
@@ -96,6 +114,9 @@ def test_the_files_of_a_chart(tmp_path: Path) -> None:
         "noise of the references",
         "cornell-box",
         "a machine",
+        "path tracer, 1 sample",
+        "transport (MB)",
+        "precompute (s)",
     ):
         assert words in texts
 

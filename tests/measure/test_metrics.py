@@ -198,3 +198,37 @@ def test_distances_in_lab_are_those_of_1976() -> None:
     assert distance.shape == (1, 2)
     assert distance[0, 0] == pytest.approx(lightness[0] - lightness[1], abs=0.02)
     assert distance[0, 1] == pytest.approx(0, abs=1e-6)
+
+
+def test_an_error_that_stays_does_not_flicker(reference: Image) -> None:
+    """What goes with the truth, or is off by the same, is not counted; what jumps is."""
+    truths = [reference, 1.1 * reference, 1.3 * reference]
+    assert metrics.flicker(truths, truths) == 0
+    assert metrics.flicker([t + np.float32(0.2) for t in truths], truths) == pytest.approx(
+        0, abs=1e-6
+    )
+    jumping = [truths[0], truths[1] + 0.1 * truths[1], truths[2]]
+    # Up by a tenth of the second, and down again.
+    expected = (0.11 / 1 + 0.11 / 1.1) / 2
+    assert metrics.flicker(jumping, truths) == pytest.approx(expected, rel=1e-5)
+    # Pictures that do not move lack what moves.
+    still = metrics.flicker([0 * t for t in truths], truths)
+    assert still == pytest.approx((0.1 + 0.2 / 1.1) / 2, rel=1e-5)
+
+
+def test_noise_of_references_is_no_flicker(reference: Image) -> None:
+    rng = np.random.default_rng(8)
+    noise = np.float32(0.05)
+    seen = [reference + noise * rng.normal(size=reference.shape).astype(np.float32) for _ in "abc"]
+    variances = [np.full_like(reference, noise**2) for _ in seen]
+    still = [reference] * 3
+    raw = metrics.flicker(still, seen)
+    assert raw > 0.1
+    assert metrics.flicker(still, seen, None, variances) < 0.3 * raw
+
+
+def test_flicker_of_masked_pixels(reference: Image, mask: NDArray) -> None:
+    frames = [reference.copy(), reference.copy()]
+    frames[1][~mask] = 5
+    assert metrics.flicker(frames, [reference] * 2, mask) == 0
+    assert metrics.flicker(frames, [reference] * 2) > 1

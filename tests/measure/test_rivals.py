@@ -82,10 +82,11 @@ def test_rivals_on_a_small_box(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     pytest.importorskip("mitsuba_oidn")
     import mitsuba as mi
 
+    from engine.measure import mitsuba_renderer
     from engine.measure import rivals as module
 
     # Kernels that are compiled for every number of samples would make this slow.
-    monkeypatch.setattr(module, "fastest_variant", lambda: "scalar_rgb")
+    monkeypatch.setattr(mitsuba_renderer, "fastest_variant", lambda: "scalar_rgb")
     monkeypatch.setattr(module, "MOST_SAMPLES", 32)
     scene, store = cornell(32), Store(tmp_path)
     product = prepare(scene, "direct_to_indirect", Settings(gather_samples=1024), store=store)
@@ -117,10 +118,11 @@ def test_rivals_under_an_environment(tmp_path: Path, monkeypatch: pytest.MonkeyP
     """`glossy_prt` against Mitsuba, for turns of a map."""
     pytest.importorskip("mitsuba_oidn")
 
+    from engine.measure import mitsuba_renderer
     from engine.measure import rivals as module
     from engine.methods.glossy_prt import Settings as Glossy
 
-    monkeypatch.setattr(module, "fastest_variant", lambda: "scalar_rgb")
+    monkeypatch.setattr(mitsuba_renderer, "fastest_variant", lambda: "scalar_rgb")
     monkeypatch.setattr(module, "MOST_SAMPLES", 16)
     studio = load_environment(EnvironmentDescription(map="studio"), Path())
     scene = stage(ball(12), MATERIALS["diffuse"], (24, 24), cuts=16, environment=studio)
@@ -141,7 +143,7 @@ def test_rivals_under_an_environment(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert one["mitsuba"]["measured_relative_l2"] < 0.3
     # Where definitions do not differ, Mitsuba's picture is near ours, whichever way it is turned.
     turned = apply(scene, held_out_turns(scene, 1, seed=1)[0])
-    theirs = module._Mitsuba(turned).picture(256, 1)
+    theirs = mitsuba_renderer.Mitsuba(turned).picture(256, 1)
     true = truth(turned, Edits(), 0.05, store).image
     inner = np.s_[2:-2, 2:-2]
     assert relative_l2(theirs[inner], true[inner]) < 0.12
@@ -152,11 +154,12 @@ def test_what_mitsuba_is_said_to_need_is_what_it_needs(tmp_path: Path) -> None:
     pytest.importorskip("mitsuba_oidn")
     import mitsuba as mi
 
-    from engine.measure.rivals import _Mitsuba, _plain
+    from engine.measure.mitsuba_renderer import Mitsuba
+    from engine.measure.rivals import _plain
 
     mi.set_variant("scalar_rgb")
     scene = cornell(24)
-    theirs, mask = _Mitsuba(scene), np.ones((24, 24), np.bool_)
+    theirs, mask = Mitsuba(scene), np.ones((24, 24), np.bool_)
     mask[:8] = False  # without the lamp, which is as bright as all the rest together
     wanted = 0.1
     needed, judge = _plain(theirs, wanted, 128, mask)

@@ -10,6 +10,7 @@ import pytest
 from rich.console import Console
 
 from engine.errors import InputError, NotFound
+from engine.measure import sweep as sweep_module
 from engine.measure import truth as truth_module
 from engine.measure.bench import bench
 from engine.measure.report import bench_tables
@@ -39,6 +40,14 @@ def test_settings_are_swept_one_at_a_time_and_once() -> None:
         ("bounces", defaults.coefficients, 2),
     ]
     assert {s.gather_samples for _, s in found} == {defaults.gather_samples}
+
+
+def test_of_several_methods_each_takes_the_settings_that_it_has() -> None:
+    both = ["direct_to_indirect", "wavelet_brdf"]
+    chosen = {"cells": 16, "coefficients": 25, "bounce": 1}
+    # What nobody has stays, to be refused by name.
+    assert sweep_module._known_to(both[0], both, chosen) == {"coefficients": 25, "bounce": 1}
+    assert sweep_module._known_to(both[1], both, chosen) == {"cells": 16, "bounce": 1}
 
 
 def test_a_sweep_of_what_is_not_there_is_refused() -> None:

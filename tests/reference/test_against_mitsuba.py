@@ -281,7 +281,7 @@ def compare(name, scene, lamp_albedo, our_samples, their_samples, tmp_path):
     assert all("is solid" in known for known in differences(scene)), "the lamp's albedo is given"
     ours = render(scene, samples=our_samples, seed=3)
     mi.set_variant("scalar_rgb")  # the one that needs no LLVM
-    twin = mitsuba_scene(scene, tmp_path, lamp_albedo)
+    twin = mitsuba_scene(scene, tmp_path, lamp_albedo=lamp_albedo)
     each = np.array(
         [mi.render(twin, spp=their_samples, seed=1 + k) for k in range(BATCHES)], np.float64
     )

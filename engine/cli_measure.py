@@ -1,0 +1,171 @@
+"""`relight chart`, `bench` and `plan`: what is measured, and what follows from it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from engine.arguments import DEFAULT_METHOD, known_method, needs_extra, sized_scene, words
+from engine.measure.settings import parse_assignments
+from engine.options import MethodOption, MethodsOption, SceneArgument, SetOption, SizeOption
+from engine.terminal import out, progress_bars
+
+
+def chart(
+    to: Annotated[Path, typer.Option("--out", help="folder for the chart and its numbers")],
+    scenes: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[SCENE]...", help="a built-in scene, a scene, mesh or BRDF file"),
+    ] = None,
+    method: MethodsOption = None,
+    of: Annotated[
+        str | None,
+        typer.Option(
+            help="edits to judge on: lights, materials, environment or camera; without --method "
+            "all that take such edits are charted"
+        ),
+    ] = None,
+    rivals: Annotated[
+        bool, typer.Option("--rivals", help="Mitsuba 3 beside, alone and denoised; takes minutes")
+    ] = False,
+    sweep: Annotated[
+        list[str] | None,
+        typer.Option("--sweep", metavar="KEY=A,B,...", help="values in place of the usual sweep"),
+    ] = None,
+    edits: Annotated[int, typer.Option(min=1, help="how many unseen edits to judge on")] = 4,
+    seed: Annotated[int, typer.Option(min=0, help="draws the edits")] = 1,
+    growth: Annotated[
+        bool, typer.Option("--growth", help="instead: how cost grows with scene and settings")
+    ] = False,
+    factorisation: Annotated[
+        bool,
+        typer.Option(
+            "--factorisation",
+            help="instead: how well K terms fit the scene's BRDFs, or the paper's without one",
+        ),
+    ] = False,
+    accuracy: Annotated[
+        bool,
+        typer.Option(
+            "--accuracy", help="instead: glossy_prt by material, environment, bounces and setting"
+        ),
+    ] = False,
+    environments: Annotated[
+        Path | None, typer.Option(help="folder of the maps that --accuracy takes")
+    ] = None,
+    tables: Annotated[
+        bool, typer.Option("--tables", help="instead: tables of --method's paper, or glossy_prt's")
+    ] = False,
+    figure: Annotated[
+        list[int] | None,
+        typer.Option(help="instead: figures of the paper of glossy_prt, or of --method's"),
+    ] = None,
+    floor: Annotated[
+        int | None, typer.Option(min=1, max=2048, help="cuts of the floor below a mesh file")
+    ] = None,
+    reference_error: Annotated[
+        float | None,
+        typer.Option(min=1e-4, max=1, help="relative L2 error of references; 0.05, figures 0.02"),
+    ] = None,
+    set_: SetOption = None,
+    size: SizeOption = None,
+) -> None:
+    """Chart a method's speed against its accuracy over its settings, or something else instead.
+
+    --accuracy, --tables and --figure are of a mesh file's object, or a knot; those of wavelet_brdf
+    take BRDF files too, figures of brdf_editing built-in scenes and the width of --size.
+    """
+    with needs_extra("chart"):
+        from engine import charts
+    others = {
+        "growth": growth,
+        "factorisation": factorisation,
+        "accuracy": accuracy,
+        "tables": tables,
+        "figure": figure,
+    }
+    asked = charts.Asked(
+        scenes=scenes or [],
+        methods=method or [],
+        of=of,
+        rivals=rivals,
+        set=set_ or [],
+        sweep=sweep,
+        size=size,
+        edits=edits,
+        seed=seed,
+        reference_error=reference_error,
+        floor=floor,
+        environments=environments,
+        figures=figure or [],
+    )
+    with progress_bars() as progress:
+        paths = charts.write([k for k in others if others[k]], asked, to, progress)
+    for path in paths:
+        out.print(str(path))
+
+
+def plan(
+    scene: SceneArgument,
+    edits: Annotated[
+        str, typer.Option(help="what is to be edited: some of lights,environment,materials,camera")
+    ],
+    error: Annotated[float, typer.Option(help="relative L2 error that is allowed")] = 0.05,
+    method: MethodsOption = None,
+    size: SizeOption = None,
+    as_json: Annotated[bool, typer.Option("--json", help="print JSON in place of words")] = False,
+) -> None:
+    """Say what would be modelled for an error budget, and why: method, settings, time and bytes."""
+    opened = sized_scene(scene, size)
+    methods = [known_method(name) for name in method] if method else None
+    with needs_extra("chart"):
+        from engine.measure.planner import plan as make_plan
+    with progress_bars() as progress:
+        found = make_plan(opened, words(edits), error, methods, progress=progress)
+    if as_json:
+        print(json.dumps(found.as_dict(), indent=1))
+        return
+    for line in found.lines():
+        out.print(line, highlight=False)
+
+
+def bench(
+    scenes: Annotated[
+        list[str] | None, typer.Argument(metavar="[SCENE]...", help="in place of the usual two")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="print JSON in place of a table")] = False,
+    history: Annotated[
+        Path | None, typer.Option(help="append the result to this file, one line of JSON")
+    ] = None,
+    method: MethodOption = DEFAULT_METHOD,
+    rivals: Annotated[
+        bool, typer.Option("--rivals", help="against Mitsuba 3, alone and denoised; takes minutes")
+    ] = False,
+    set_: SetOption = None,
+    size: SizeOption = None,
+) -> None:
+    """Time precompute and frames, as ratios to this machine's bandwidth and to other renderers."""
+    with needs_extra("chart"):
+        from engine.measure.bench import SCENES
+        from engine.measure.bench import bench as run_bench
+        from engine.measure.report import bench_tables
+    opened = [sized_scene(scene, size) for scene in scenes or SCENES]
+    with progress_bars() as progress, needs_extra("peers"):
+        document = run_bench(
+            opened,
+            progress,
+            parse_assignments(set_ or ()),
+            method=known_method(method),
+            against_rivals=rivals,
+        )
+    if history is not None:
+        history.parent.mkdir(parents=True, exist_ok=True)
+        with history.open("a") as file:
+            file.write(json.dumps(document) + "\n")
+    if as_json:
+        print(json.dumps(document, indent=1))
+    else:
+        out.print(*bench_tables(document), sep="\n")
