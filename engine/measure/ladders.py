@@ -1,0 +1,59 @@
+"""What the planner may choose of every method: its settings, from the cheapest to the dearest.
+
+A rung is one step of all settings at once. Where a setting has fewer steps than others it stays at
+its last one. Settings that are not here keep their defaults.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from engine.errors import InputError
+
+LADDERS: dict[str, dict[str, tuple[Any, ...]]] = {
+    "direct_to_indirect": {
+        "gather_samples": (1024, 4096, 16384, 65536, 262144),
+        "coefficients": (12, 25, 50, 100, 200, 400),
+        "bounce_coefficients": (10, 20, 40, 80),
+        "bounces": (0, 1, 2, 3, 5, 8),
+        "gloss_coefficients": (10, 20, 40, 80),
+    },
+    "glossy_prt": {
+        "terms": (1, 2, 4, 8, 16),
+        "cluster_error": (0.3, 0.2, 0.1, 0.05, 0.02, 0.01),
+        "light_texels": (16, 32, 64),
+        "bounces": (0, 1, 2, 4),
+        "gather_texels": (8, 16, 32),
+    },
+    "brdf_editing": {
+        "bands": (16, 32, 64, 128),
+        "second_bands": (1, 8, 16),
+        "gather_samples": (1024, 4096, 16384, 65536),
+        "view_rays": (64, 128, 256, 512, 1024),
+        "bounces": (0, 1, 2, 3, 5),
+    },
+    "wavelet_brdf": {
+        "cells": (16, 32, 64),
+        "error": (0.1, 0.03, 0.01, 0.003),
+    },
+}
+"""Per method the steps of its settings."""
+
+
+def rungs(method: str) -> int:
+    """How many steps there are."""
+    if method not in LADDERS:
+        raise InputError(f"there is no ladder of {method}", field="method")
+    return max(map(len, LADDERS[method].values()))
+
+
+def rung(method: str, k: int) -> dict[str, Any]:
+    """All settings at step k."""
+    return {name: steps[min(k, len(steps) - 1)] for name, steps in LADDERS[method].items()}
+
+
+def below(method: str, name: str, value: Any) -> Any | None:
+    """The step of a setting before a value; None where it is the first."""
+    steps = LADDERS[method][name]
+    k = steps.index(value)
+    return steps[k - 1] if k else None

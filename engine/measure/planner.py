@@ -1,0 +1,208 @@
+"""Which method a budget asks for, and each of its settings at its least, by `pilots`.
+
+1. Methods are tried from the one with the cheapest precompute on; the first that holds is taken.
+2. All its settings are raised together, from the least, until the error is within the budget.
+3. One after the other they are lowered again as long as it stays there.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from engine.errors import InputError
+from engine.measure.held_out import HELD_OUT
+from engine.measure.ladders import LADDERS, below, rung, rungs
+from engine.measure.pilots import Cost, Pilots
+from engine.measure.settings import settings_from
+from engine.measure.sweep import along
+from engine.methods import METHODS
+from engine.methods.base import Progress, silent
+from engine.scene.scene import Scene
+from engine.store import Store
+
+ORDER = "wavelet_brdf", "direct_to_indirect", "glossy_prt", "brdf_editing"
+MARGIN = 0.8  # of the budget that a pilot may use: other edits may be worse
+NOISE = 0.5  # of the budget, in the references
+LEAST_ERROR = 0.005  # of a budget
+STALLED = 0.9  # of the error that the rung before had
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What would be modelled, and why.
+
+    edits      what may be edited
+    budget     relative L2 error
+    settings   of the method
+    predicted  for the whole picture
+    holds      whether the error is within the budget
+    reasons    why each setting is what it is
+    left_out   why other methods are not taken
+    pilots     how many were run
+    seconds    that planning took
+    """
+
+    method: str
+    edits: tuple[str, ...]
+    budget: float
+    settings: Any
+    predicted: Cost
+    holds: bool
+    reasons: tuple[str, ...]
+    left_out: tuple[str, ...]
+    pilots: int
+    seconds: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """As JSON."""
+        return asdict(self)
+
+    def lines(self) -> list[str]:
+        """As words."""
+        cost = self.predicted
+        held = "holds" if self.holds else "does NOT hold"
+        return [
+            f"{self.method}: {_percent(cost.error)} off, which {held} {100 * self.budget:g} %; "
+            f"{1000 * cost.frame:.0f} ms a frame, {cost.bytes / 1e6:.1f} MB, "
+            f"{cost.precompute:.0f} s of precompute",
+            *(f"  {reason}" for reason in self.reasons),
+            *(f"  left out: {reason}" for reason in self.left_out),
+            f"  {self.pilots} pilots, {self.seconds:.1f} s",
+        ]
+
+
+def plan(
+    scene: Scene,
+    kinds: Sequence[str],
+    budget: float,
+    methods: Sequence[str] | None = None,
+    store: Store | None = None,
+    progress: Progress = silent,
+) -> Plan:
+    """The cheapest settings of the fastest method that holds the budget, or the best there is.
+
+    kinds    what may be edited: some of camera, environment, lights, materials
+    methods  to choose from, in place of all
+    store    where references are kept
+
+    Raises InputError where no method takes all these edits.
+    """
+    start = time.perf_counter()
+    if not LEAST_ERROR <= budget < 1:
+        raise InputError(f"{budget} is not from {LEAST_ERROR} to 1", field="error")
+    candidates, left_out = _candidates(kinds, methods)
+    pilots = Pilots(scene, kinds, NOISE * budget, store or Store(), progress)
+    found: list[_Choice] = []
+    for number, method in enumerate(candidates):
+        progress("methods", number, len(candidates))
+        if found and found[-1].holds:
+            left_out.append(f"{method} was not tried: {found[-1].method} holds the budget")
+        else:
+            found.append(_choose(method, pilots, budget))
+    progress("methods", len(candidates), len(candidates))
+    best = found[-1] if found[-1].holds else min(found, key=lambda choice: choice.cost.error)
+    left_out += [
+        f"{other.method} is {_percent(other.cost.error)} off at best"
+        for other in found
+        if other is not best
+    ]
+    settings = _settings(best.method, best.settings)
+    return Plan(
+        best.method, tuple(kinds), budget, settings,
+        pilots.whole(best.method, settings, best.cost), best.holds,
+        tuple(best.reasons), tuple(left_out), pilots.count, time.perf_counter() - start,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Choice:
+    method: str
+    settings: dict[str, Any]
+    cost: Cost
+    holds: bool
+    reasons: list[str]
+
+
+def _candidates(kinds: Sequence[str], methods: Sequence[str] | None) -> tuple[list[str], list[str]]:
+    """(methods that take all these edits, why others do not)."""
+    for kind in kinds:
+        if kind not in HELD_OUT:
+            raise InputError(f"{kind!r} cannot be edited; {', '.join(HELD_OUT)} can", field="edits")
+    if not kinds:
+        raise InputError(f"say what is to be edited: {', '.join(HELD_OUT)}", field="edits")
+    able, unable = [], []
+    for name in sorted(ORDER if methods is None else methods, key=ORDER.index):
+        missing = [kind for kind in kinds if kind not in METHODS[name].edits]
+        if missing:
+            unable.append(f"{name} takes no edits of {' and '.join(missing)}")
+        else:
+            able.append(name)
+    if not able:
+        raise InputError(
+            f"no method takes edits of {', '.join(kinds)} together: {'; '.join(unable)}. Plan them "
+            "apart.",
+            field="edits",
+        )
+    return able, unable
+
+
+def _choose(method: str, pilots: Pilots, budget: float) -> _Choice:
+    """Raise all settings together until the budget is held, then lower each as far as it is."""
+    bound, known = MARGIN * budget, dict[str, Cost]()
+
+    def cost_of(settings: dict[str, Any]) -> Cost:
+        key = str(settings)
+        if key not in known:
+            known[key] = pilots.run(method, _settings(method, settings))
+        return known[key]
+
+    settings, k = rung(method, 0), 0
+    while cost_of(settings).error > bound and k + 1 < rungs(method):
+        k += 1
+        before, settings = cost_of(settings).error, rung(method, k)
+        # What one rung does not mend the next will not either.
+        if bound < cost_of(settings).error > STALLED * before:
+            break
+    if cost_of(settings).error > bound:
+        # Nothing holds it: what is nearest, as cheap as it can be without being worse.
+        best = min((rung(method, j) for j in range(k + 1)), key=lambda s: cost_of(s).error)
+        reasons = [f"no setting comes below {_percent(cost_of(best).error)}"]
+        return _Choice(method, best, cost_of(best), False, reasons)
+    settings, reasons = _lowered(method, settings, cost_of, bound)
+    return _Choice(method, settings, cost_of(settings), True, reasons)
+
+
+def _lowered(
+    method: str,
+    settings: dict[str, Any],
+    cost_of: Callable[[dict[str, Any]], Cost],
+    bound: float,
+) -> tuple[dict[str, Any], list[str]]:
+    reasons = []
+    for name in LADDERS[method]:
+        while True:
+            value = below(method, name, settings[name])
+            if value is None:
+                reasons.append(f"{name} = {settings[name]}: the least is enough")
+                break
+            lower = {**settings, name: value}
+            error = cost_of(lower).error
+            if error > bound:
+                reasons.append(f"{name} = {settings[name]}: {value} would be {_percent(error)} off")
+                break
+            settings = lower
+    return settings, reasons
+
+
+def _percent(error: float) -> str:
+    return f"{100 * error:.1f} %"
+
+
+def _settings(method: str, chosen: dict[str, Any]) -> Any:
+    extra: dict[str, Any] = {}
+    for name, value in chosen.items():
+        extra |= along(method, name, value) if name != "cluster_error" else {}
+    return settings_from(METHODS[method].settings, {**extra, **chosen})
