@@ -13,19 +13,14 @@ from typing import Annotated
 
 import typer
 
-from engine.arguments import (
-    DEFAULT_METHOD,
-    read_edits,
-    settings_of,
-    sized_scene,
-)
+from engine.arguments import read_edits, sized_scene, words
 from engine.backend.choice import wanted
-from engine.cli_measure import bench, chart, plan
+from engine.cli_measure import bench, chart, chosen, plan
 from engine.errors import InputError, NotFound, RelightError
 from engine.images import format_of, write_image
 from engine.methods import METHODS, prepare
 from engine.methods.base import require_supported
-from engine.options import MethodOption, SceneArgument, SetOption, SizeOption
+from engine.options import AnyMethodOption, KindsOption, SceneArgument, SetOption, SizeOption
 from engine.reference import render as render_reference
 from engine.scene.edits import apply
 from engine.scene.open import scenes as builtin_scenes
@@ -51,13 +46,22 @@ def scenes() -> None:
 @app.command()
 def precompute(
     scene: SceneArgument,
-    method: MethodOption = DEFAULT_METHOD,
+    method: AnyMethodOption = None,
+    edits: KindsOption = None,
+    error: Annotated[
+        float | None, typer.Option(help="plan for this relative L2 error: see `relight plan`")
+    ] = None,
     set_: SetOption = None,
     size: SizeOption = None,
 ) -> None:
-    """Precompute a scene into the store; what is there already is kept."""
+    """Precompute a scene into the store; what is there already is kept.
+
+    With --error the planner chooses settings, and without --method the method.
+    """
     opened = sized_scene(scene, size)
-    settings = settings_of(method, set_)
+    if error is None and edits is not None:
+        raise InputError("--edits is for --error, which plans for them")
+    method, settings = chosen(opened, method, set_, error, words(edits or ""))
     with progress_bars() as progress:
         product = prepare(opened, method, settings, progress=progress)
     out.print(f"{method} of {opened.name}: {product.bytes / 1e6:.1f} MB")
@@ -70,14 +74,15 @@ def render(
     scene: SceneArgument,
     to: Annotated[Path, typer.Option("--out", help="the image: .exr, .png, .jpg or .webp")],
     method: Annotated[
-        str, typer.Option("--method", help=f"reference, or one of {', '.join(METHODS)}")
-    ] = DEFAULT_METHOD,
+        str | None, typer.Option("--method", help=f"reference, or one of {', '.join(METHODS)}")
+    ] = None,
     edits: Annotated[
         Path | None, typer.Option("--edits", help="JSON: lights and so on, as in a scene, partial")
     ] = None,
     exposure: Annotated[float, typer.Option(min=-32, max=32, help="stops, for all but EXR")] = 0.0,
     error: Annotated[
-        float | None, typer.Option(help="reference: stop at this relative L2 error")
+        float | None,
+        typer.Option(help="relative L2 error to stop at, or of a method to plan for"),
     ] = None,
     samples: Annotated[
         int | None, typer.Option(help="reference: stop at so many samples per pixel")
@@ -114,11 +119,11 @@ def render(
             f"{result.seconds:.1f} s"
         )
         return
-    if error is not None or samples is not None:
-        raise InputError("--error and --samples are for --method reference; see --set")
+    if samples is not None:
+        raise InputError("--samples is for --method reference; see --set and --error")
     # Another camera is another precompute, not an edit that a product could take.
     opened, change = opened.with_camera(edited.camera), change.model_copy(update={"camera": None})
-    settings = settings_of(method, set_)
+    method, settings = chosen(opened, method, set_, error, sorted(change.touched()))
     require_supported(method, change)
     with progress_bars() as progress:
         product = prepare(opened, method, settings, progress=progress)

@@ -4,14 +4,33 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from engine.arguments import DEFAULT_METHOD, known_method, needs_extra, sized_scene, words
+from engine.arguments import (
+    DEFAULT_METHOD,
+    known_method,
+    needs_extra,
+    settings_of,
+    sized_scene,
+    words,
+)
+from engine.errors import InputError
 from engine.measure.settings import parse_assignments
-from engine.options import MethodOption, MethodsOption, SceneArgument, SetOption, SizeOption
+from engine.options import (
+    KindsOption,
+    MethodOption,
+    MethodsOption,
+    SceneArgument,
+    SetOption,
+    SizeOption,
+)
+from engine.scene.scene import Scene
 from engine.terminal import out, progress_bars
+
+if TYPE_CHECKING:
+    from engine.measure.planner import Plan
 
 
 def chart(
@@ -110,26 +129,48 @@ def chart(
 
 def plan(
     scene: SceneArgument,
-    edits: Annotated[
-        str, typer.Option(help="what is to be edited: some of lights,environment,materials,camera")
-    ],
+    edits: KindsOption = None,
     error: Annotated[float, typer.Option(help="relative L2 error that is allowed")] = 0.05,
     method: MethodsOption = None,
     size: SizeOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON in place of words")] = False,
 ) -> None:
     """Say what would be modelled for an error budget, and why: method, settings, time and bytes."""
-    opened = sized_scene(scene, size)
-    methods = [known_method(name) for name in method] if method else None
-    with needs_extra("chart"):
-        from engine.measure.planner import plan as make_plan
-    with progress_bars() as progress:
-        found = make_plan(opened, words(edits), error, methods, progress=progress)
+    found = _planned(sized_scene(scene, size), method, error, words(edits or ""))
     if as_json:
         print(json.dumps(found.as_dict(), indent=1))
         return
     for line in found.lines():
         out.print(line, highlight=False)
+
+
+def chosen(
+    scene: Scene, method: str | None, set_: list[str] | None, error: float | None, kinds: list[str]
+) -> tuple[str, Any]:
+    """(method, settings): as they are asked for, or planned where there is an error to hold.
+
+    kinds are what is to be edited; for none it is what the method, or the scene, is made for.
+    """
+    if error is None:
+        name = method or DEFAULT_METHOD
+        return name, settings_of(name, set_)
+    if set_:
+        raise InputError("--error chooses the settings: leave --set out", field="error")
+    found = _planned(scene, [method] if method else None, error, kinds)
+    for line in found.lines():
+        out.print(line, highlight=False)
+    return found.method, found.settings
+
+
+def _planned(scene: Scene, methods: list[str] | None, error: float, kinds: list[str]) -> Plan:
+    with needs_extra("chart"):
+        from engine.measure.held_out import kind_of_edits
+        from engine.measure.planner import plan as make_plan
+    names = [known_method(name) for name in methods] if methods else None
+    if not kinds:
+        kinds = [kind_of_edits(names)] if names else ["lights" if scene.lights else "environment"]
+    with progress_bars() as progress:
+        return make_plan(scene, kinds, error, names, progress=progress)
 
 
 def bench(

@@ -19,4 +19,11 @@ SetOption = Annotated[
 SizeOption = Annotated[
     str | None, typer.Option("--size", metavar="WxH", help="pixels, in place of the scene's own")
 ]
+AnyMethodOption = Annotated[
+    str | None, typer.Option("--method", help=f"one of {', '.join(METHODS)}")
+]
+KindsOption = Annotated[
+    str | None,
+    typer.Option("--edits", help="what is to be edited: lights,environment,materials,camera"),
+]
 MethodsOption = Annotated[list[str] | None, typer.Option("--method", help="several may be given")]

@@ -192,7 +192,9 @@ def test_both_backends_write_the_same_picture(relight: Relight) -> None:
         (["render", "cornell-box", "--edits", "matt.json", "--out", "x.exr"], "brdf_editing"),
         (["render", "cornell-box", "--edits", "ghost.json", "--out", "x.exr"], "lights.0"),
         (["render", "cornell-box", "--out", "nowhere/x.exr"], "no such folder"),
-        (["render", "cornell-box", "--error", "0.1", "--out", "x.exr"], "--method reference"),
+        (["render", "cornell-box", "--samples", "9", "--out", "x.exr"], "--method reference"),
+        (["precompute", "cornell-box", "--error", "0.1", "--set", "bounces=1"], "leave --set out"),
+        (["precompute", "cornell-box", "--edits", "lights"], "--edits is for --error"),
         (["render", "cornell-box", "--backend", "vulkan", "--out", "x.exr"], "backend: 'vulkan'"),
         (
             ["render", "cornell-box", "--method", "reference", "--backend", "gl", "--out", "x.exr"],
@@ -313,6 +315,21 @@ def test_a_plan_in_words_and_as_json(relight: Relight) -> None:
     assert document["settings"]["cells"] == 16
     assert "glossy_prt" in relight.fails(2, "plan", "cornell-box", "--edits", "environment,lights",
                                          "--method", "glossy_prt")  # fmt: skip
+
+
+def test_an_error_in_place_of_a_method_and_its_settings(relight: Relight) -> None:
+    """A newcomer asks for an error; what is planned is what is made and drawn."""
+    small = ["cornell-box", "--error", "0.6", "--size", "16x16"]
+    run = relight("precompute", *small, "--edits", "lights")
+    assert run.returncode == 0, run.stderr
+    first, *others = run.stdout.splitlines()
+    assert first.startswith("wavelet_brdf: "), "with so much room nothing indirect is needed"
+    assert any(line.startswith("wavelet_brdf of cornell-box") for line in others)
+    (relight.folder / "edits.json").write_text('{"lights": [{"id": "key", "enabled": false}]}')
+    drawn = relight("render", *small, "--edits", "edits.json", "--out", "dark.png")
+    assert drawn.returncode == 0, drawn.stderr
+    assert drawn.stdout.startswith("wavelet_brdf: ")
+    assert (relight.folder / "dark.png").exists()
 
 
 def test_growth_of_one_setting(relight: Relight) -> None:
