@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from engine.methods import METHODS, prepare
-from engine.methods.warm import PARTS, tiny_scene
+from engine.methods.warm import compile_kernels, tiny_scene
 from engine.numerics.parallel import thread_count
 from engine.reference import render, render_direct
 from engine.scene.edits import Edits
@@ -43,9 +43,8 @@ def glossy_prt() -> None:
 
 
 def direct_to_indirect() -> None:
-    """What a service compiles when it starts."""
-    for part in PARTS.values():
-        part(lambda done: None)
+    """What a service compiles when it starts, which it then need not."""
+    compile_kernels()
 
 
 def _draw(method: str, edits: Edits) -> None:

@@ -69,7 +69,8 @@ class Pilots:
         small = _sized(scene, SIDE)
         edits = [edit for kind in kinds for edit in HELD_OUT[kind](small, EDITS, SEED)]
         self._trial = trial_of(small, edits, noise, store, progress)
-        lit = trial_of(small.with_environment(None), edits, noise, store, progress, max_bounces=1)
+        lamps = [edit.model_copy(update={"environment": None}) for edit in edits]
+        lit = trial_of(small.with_environment(None), lamps, noise, store, progress, max_bounces=1)
         self._direct = [_direct_of(lit, self._trial, k) for k in range(len(edits))]
         self.count = 0
 
