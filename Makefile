@@ -15,10 +15,11 @@ GL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri
 # A browser for the page, and a library that Mitsuba's wheels take for granted.
 TEST_PACKAGES := $(GL_PACKAGES) chromium libatomic1
 # Most of what is of the system as a whole; the other half, which takes as long, is of its parts.
-SYSTEM_TESTS := tests/server tests/stability tests/cli tests/measure tests/reference tests/web
+# In this order both seldom compile the same kernels at a time, nor does a service that a test starts.
+SYSTEM_TESTS := tests/measure tests/stability tests/cli tests/web
 PEER_PACKAGES := libllvm19 libatomic1
 
-.PHONY: serve test lint types pytest pytest-units pytest-system sweep kernels test-packages bench rivals chart clean
+.PHONY: serve test lint types pytest pytest-units pytest-system sweep test-packages bench rivals chart clean
 
 serve: .venv/.run
 	@.ci/system-packages $(GL_PACKAGES) || echo "going on without OpenGL, on the CPU" >&2
@@ -37,18 +38,14 @@ types: .venv/.test
 
 pytest: pytest-units pytest-system
 
-pytest-units: .venv/.test test-packages kernels
+pytest-units: .venv/.test test-packages
 	$(BIN)/pytest -m "not sweep" $(addprefix --ignore=,$(SYSTEM_TESTS))
 
-pytest-system: .venv/.test test-packages kernels
+pytest-system: .venv/.test test-packages
 	$(BIN)/pytest -m "not sweep" $(SYSTEM_TESTS)
 
 sweep: .venv/.test test-packages
 	$(BIN)/pytest -m sweep
-
-# Of both halves, which would else compile them twice.
-kernels: .venv/.test
-	$(BIN)/python tests/kernels.py
 
 test-packages:
 	@.ci/system-packages $(TEST_PACKAGES)

@@ -98,6 +98,7 @@ def test_edits_that_no_method_takes_together_are_refused() -> None:
         plan(scene, [], 0.05)
 
 
+@pytest.mark.sweep
 def test_a_plan_is_kept(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """It holds on edits that it has not seen, which are easier here than those that it drew."""
     monkeypatch.setattr(pilots, "SIDE", 48)
