@@ -139,9 +139,8 @@ def plan(
     found = _planned(sized_scene(scene, size), method, error, words(edits or ""))
     if as_json:
         print(json.dumps(found.as_dict(), indent=1))
-        return
-    for line in found.lines():
-        out.print(line, highlight=False)
+    else:
+        _print(found)
 
 
 def chosen(
@@ -157,9 +156,12 @@ def chosen(
     if set_:
         raise InputError("--error chooses the settings: leave --set out", field="error")
     found = _planned(scene, [method] if method else None, error, kinds)
-    for line in found.lines():
-        out.print(line, highlight=False)
+    _print(found)
     return found.method, found.settings
+
+
+def _print(found: Plan) -> None:
+    out.print(*found.lines(), sep="\n", highlight=False)
 
 
 def _planned(scene: Scene, methods: list[str] | None, error: float, kinds: list[str]) -> Plan:

@@ -204,5 +204,5 @@ def _percent(error: float) -> str:
 def _settings(method: str, chosen: dict[str, Any]) -> Any:
     extra: dict[str, Any] = {}
     for name, value in chosen.items():
-        extra |= along(method, name, value) if name != "cluster_error" else {}
+        extra |= along(method, name, value)
     return settings_from(METHODS[method].settings, {**extra, **chosen})

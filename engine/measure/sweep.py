@@ -10,7 +10,6 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
 from importlib import import_module
 from typing import Any
 
@@ -93,7 +92,11 @@ def variants(
 
 def _known_to(method: str, methods: Sequence[str], chosen: Mapping[str, Any]) -> dict[str, Any]:
     """Of chosen settings those that a method has; all of them where no other of `methods` does."""
-    kinds = {m: [f.name for f in fields(METHODS[m].settings)] for m in methods if m in METHODS}
+    kinds = {
+        m: [f.name for f in dataclasses.fields(METHODS[m].settings)]
+        for m in methods
+        if m in METHODS
+    }
     return {
         name: value
         for name, value in chosen.items()

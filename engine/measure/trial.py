@@ -42,7 +42,7 @@ class Trial:
         """Per reference, the smallest error that its noise lets one see."""
         return [
             resolution(t.image, t.variance, kept)
-            for t, kept in zip(self.truths, self.kept, strict=False)
+            for t, kept in zip(self.truths, self.kept, strict=bool(self.truths))
         ]
 
     @property
@@ -54,7 +54,7 @@ class Trial:
         """Every metric of the picture of every edit; none without truths."""
         return [
             all_metrics(image, t.image, kept, t.variance)
-            for image, t, kept in zip(images, self.truths, self.kept, strict=False)
+            for image, t, kept in zip(images, self.truths, self.kept, strict=bool(self.truths))
         ]
 
     def mean_error(
