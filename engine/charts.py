@@ -42,6 +42,7 @@ from engine.measure.growth import growth
 from engine.measure.held_out import methods_for
 from engine.measure.machine import this_machine
 from engine.measure.points import Sweep
+from engine.measure.report import write_report
 from engine.measure.settings import parse_assignments
 from engine.measure.stage import Thing, knot, read_thing
 from engine.measure.sweep import REFERENCE_ERROR, sweep
@@ -259,6 +260,11 @@ def _of_codes(asked: Asked, progress: Progress) -> Makers:
     return {number: partial(make, shoot) for number, make in code_figures.FIGURES.items()}
 
 
+def _report(asked: Asked, folder: Path, progress: Progress) -> list[Path]:
+    with needs_extra("peers"):
+        return write_report(asked.scenes, folder, rivals=asked.rivals, progress=progress)
+
+
 def _objects_and_materials(asked: Asked) -> tuple[Thing, dict[str, Measured]]:
     """The object of the only mesh file, or a small knot; measured materials by name."""
     names = [name for name in asked.scenes if code_stage.is_material(name)]
@@ -273,4 +279,5 @@ CHARTS: dict[str, Callable[[Asked, Path, Progress], list[Path]]] = {
     "accuracy": _accuracy,
     "tables": _tables,
     "figure": _figures,
+    "report": _report,
 }

@@ -34,10 +34,12 @@ if TYPE_CHECKING:
 
 
 def chart(
-    to: Annotated[Path, typer.Option("--out", help="folder for the chart and its numbers")],
     scenes: Annotated[
         list[str] | None,
         typer.Argument(metavar="[SCENE]...", help="a built-in scene, a scene, mesh or BRDF file"),
+    ] = None,
+    to: Annotated[
+        Path | None, typer.Option("--out", help="folder for the chart and its numbers")
     ] = None,
     method: MethodsOption = None,
     of: Annotated[
@@ -78,6 +80,13 @@ def chart(
     tables: Annotated[
         bool, typer.Option("--tables", help="instead: tables of --method's paper, or glossy_prt's")
     ] = False,
+    report: Annotated[
+        Path | None,
+        typer.Option(
+            help="instead, into this folder: one page with the charts and plans of the SCENEs, or "
+            "the built-in ones, and the papers' figures; takes hours, and can be resumed"
+        ),
+    ] = None,
     figure: Annotated[
         list[int] | None,
         typer.Option(help="instead: figures of the paper of glossy_prt, or of --method's"),
@@ -105,7 +114,11 @@ def chart(
         "accuracy": accuracy,
         "tables": tables,
         "figure": figure,
+        "report": report,
     }
+    folder = report or to
+    if folder is None:
+        raise InputError("say which folder the chart goes into", field="out")
     asked = charts.Asked(
         scenes=scenes or [],
         methods=method or [],
@@ -122,7 +135,7 @@ def chart(
         figures=figure or [],
     )
     with progress_bars() as progress:
-        paths = charts.write([k for k in others if others[k]], asked, to, progress)
+        paths = charts.write([k for k in others if others[k]], asked, folder, progress)
     for path in paths:
         out.print(str(path))
 
@@ -194,7 +207,7 @@ def bench(
     with needs_extra("chart"):
         from engine.measure.bench import SCENES
         from engine.measure.bench import bench as run_bench
-        from engine.measure.report import bench_tables
+        from engine.measure.bench_tables import bench_tables
     opened = [sized_scene(scene, size) for scene in scenes or SCENES]
     with progress_bars() as progress, needs_extra("peers"):
         document = run_bench(

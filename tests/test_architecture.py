@@ -51,7 +51,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "skimage": ("engine/measure/",),
     "flip_evaluator": ("engine/measure/",),
     "typer": ("engine/cli.py", "engine/cli_measure.py", "engine/options.py"),
-    "rich": ("engine/cli.py", "engine/terminal.py", "engine/measure/report.py"),
+    "rich": ("engine/cli.py", "engine/terminal.py", "engine/measure/bench_tables.py"),
     "mitsuba": ("engine/measure/",),
     "mitsuba_oidn": ("engine/measure/",),
     "playwright": (),

@@ -6,7 +6,6 @@ words beside the lines in place of a legend.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from engine.measure.document import write_json
+from engine.measure.labels import place_labels
+from engine.measure.points import DEFAULTS, PLAN
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
@@ -25,7 +26,6 @@ GREY = "#666666"
 FRAME = "frame_seconds"
 LEAST = 0.01  # of any cost that is drawn
 WIDE = 300.0  # largest by smallest cost, beyond which only powers of ten are named
-FARTHER = [sign * (14 + 12 * k) for k in range(8) for sign in (-1, 1)]  # points, for labels
 # Words, and what they count.
 COSTS = {
     FRAME: ("edit to linear frame, median (ms)", 1e3),
@@ -64,14 +64,14 @@ def draw(document: dict[str, Any]) -> Figure:
             x = [_cost(p, cost) for p in points]
             axes.plot(x, [_percent(p, document) for p in points], **line_style(number, size=6))
         for point in document["points"]:
-            if not point["knob"]:
+            if _ringed(point):
                 place = _cost(point, cost), _percent(point, document)
                 axes.plot(*place, "o", markersize=11, markerfacecolor="none", markeredgecolor="k")
     main = panels[0]
     main.set_ylabel("relative L² error without edges (%)")
     _draw_floor(main, document)
     _draw_others(main, document)
-    _place_labels(figure, main, _labels(document))
+    place_labels(figure, main, _labels(document))
     main.set_title(_title(document), loc="left", fontsize=11)
     figure.supxlabel(_caption(document), fontsize=7, color=GREY, x=0.01, ha="left")
     return figure
@@ -85,17 +85,17 @@ def _labels(document: dict[str, Any]) -> list[tuple[float, float, str, str]]:
     labels, lines = [], _lines(document)
     for number, ((method, knob), points) in enumerate(lines.items()):
         name = knob if len({m for m, _ in lines}) == 1 else f"{method} {knob}"
-        named = max((k for k, p in enumerate(points) if p["knob"]), default=0)
+        named = max((k for k, p in enumerate(points) if not _ringed(p)), default=0)
         for k, point in enumerate(points):
             value = _short(point["settings"][knob])
-            if point["knob"]:
+            if not _ringed(point):
                 text = f"{name} = {value}" if k == named else value
                 place = _cost(point, FRAME), _percent(point, document)
                 labels.append((*place, text, COLOURS[number % len(COLOURS)]))
     for point in document["points"]:
-        if not point["knob"]:
+        if _ringed(point):
             several = len({p["method"] for p in document["points"]}) > 1
-            words = point["method"] if several else "defaults"
+            words = point["knob"] or (point["method"] if several else "defaults")
             labels.append((_cost(point, FRAME), _percent(point, document), words, "black"))
     for points in _others(document):
         place = _cost(points[0], FRAME), _percent(points[0], document)
@@ -122,15 +122,20 @@ def _draw_others(axes: Axes, document: dict[str, Any]) -> None:
         )
 
 
+def _ringed(point: Point) -> bool:
+    """Whether it is of no line: the defaults, or what was planned."""
+    return point["knob"] in (DEFAULTS, PLAN)
+
+
 def _lines(document: dict[str, Any]) -> dict[tuple[str, str], list[Point]]:
     """The points of every swept setting by its value; the defaults belong to every line."""
     points = document["points"]
     lines: dict[tuple[str, str], list[Point]] = {}
     for point in points:
-        if point["knob"]:
+        if not _ringed(point):
             lines.setdefault((point["method"], point["knob"]), []).append(point)
     for (method, knob), line in lines.items():
-        line += [p for p in points if p["method"] == method and not p["knob"]]
+        line += [p for p in points if p["method"] == method and p["knob"] == DEFAULTS]
         line.sort(key=lambda p, knob=knob: p["settings"][knob])  # type: ignore[misc]
     if not lines:
         lines = {(p["method"], next(iter(p["settings"]))): [p] for p in points}
@@ -218,40 +223,6 @@ def _draw_floor(axes: Axes, document: dict[str, Any]) -> None:
     )
 
 
-def _place_labels(
-    figure: Figure, axes: Axes, labels: Sequence[tuple[float, float, str, str]]
-) -> None:
-    """Write every label beside its point, at the first place where none stands yet."""
-    figure.draw_without_rendering()
-    points = [axes.transData.transform((x, y)) for x, y, _, _ in labels]
-    taken = [(px - 5, py - 5, px + 5, py + 5) for px, py in points]
-    for (x, y, text, colour), (px, py) in zip(labels, points, strict=True):
-        width, height = 5.0 * len(text) * figure.dpi / 72, 11.0 * figure.dpi / 72
-        left_of = -7 - 4.6 * len(text)
-        places = [(7, -3), (7, 6), (7, -13), (-3, 9), (-3, -16), (left_of, 5)]
-        # Where lines crowd, farther off.
-        places += [(x, y) for y in FARTHER for x in (left_of, 7)]
-        for dx, dy in places:
-            left, low = px + dx * figure.dpi / 72, py + dy * figure.dpi / 72
-            box = (left, low, left + width, low + height)
-            if not any(_overlap(box, other) for other in taken):
-                break
-        taken.append(box)
-        axes.annotate(
-            text,
-            (x, y),
-            xytext=(dx, dy),
-            textcoords="offset points",
-            fontsize=8,
-            color=colour,
-            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6},
-        )
-
-
-def _overlap(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
-    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
-
-
 def _cost(point: Point, cost: str) -> float:
     value = point["frame_seconds"]["median"] if cost == FRAME else point[cost]
     # What costs nothing has no place on a logarithm.
@@ -276,6 +247,8 @@ def _short(value: Any) -> str:
 
 def _title(document: dict[str, Any]) -> str:
     methods = ", ".join(dict.fromkeys(p["method"] for p in document["points"]))
+    if "kinds" in document:
+        methods = f"edits of {' and '.join(document['kinds'])}"
     return f"{methods} on {document['scene']}, {document['width']} x {document['height']}"
 
 

@@ -9,6 +9,9 @@ from __future__ import annotations
 from typing import Any
 
 from engine.errors import InputError
+from engine.measure.settings import settings_from
+from engine.measure.sweep import along
+from engine.methods import METHODS
 
 LADDERS: dict[str, dict[str, tuple[Any, ...]]] = {
     "direct_to_indirect": {
@@ -57,3 +60,11 @@ def below(method: str, name: str, value: Any) -> Any | None:
     steps = LADDERS[method][name]
     k = steps.index(value)
     return steps[k - 1] if k else None
+
+
+def settings_at(method: str, chosen: dict[str, Any]) -> Any:
+    """The method's settings with steps of its ladders, and what goes along with them."""
+    extra: dict[str, Any] = {}
+    for name, value in chosen.items():
+        extra |= along(method, name, value)
+    return settings_from(METHODS[method].settings, {**extra, **chosen})

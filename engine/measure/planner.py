@@ -14,10 +14,8 @@ from typing import Any
 
 from engine.errors import InputError
 from engine.measure.held_out import HELD_OUT
-from engine.measure.ladders import LADDERS, below, rung, rungs
+from engine.measure.ladders import LADDERS, below, rung, rungs, settings_at
 from engine.measure.pilots import Cost, Pilots
-from engine.measure.settings import settings_from
-from engine.measure.sweep import along
 from engine.methods import METHODS
 from engine.methods.base import Progress, silent
 from engine.scene.scene import Scene
@@ -109,7 +107,7 @@ def plan(
         for other in found
         if other is not best
     ]
-    settings = _settings(best.method, best.settings)
+    settings = settings_at(best.method, best.settings)
     return Plan(
         best.method, tuple(kinds), budget, settings,
         pilots.whole(best.method, settings, best.cost), best.holds,
@@ -156,7 +154,7 @@ def _choose(method: str, pilots: Pilots, budget: float) -> _Choice:
     def cost_of(settings: dict[str, Any]) -> Cost:
         key = str(settings)
         if key not in known:
-            known[key] = pilots.run(method, _settings(method, settings))
+            known[key] = pilots.run(method, settings_at(method, settings))
         return known[key]
 
     settings, k = rung(method, 0), 0
@@ -199,10 +197,3 @@ def _lowered(
 
 def _percent(error: float) -> str:
     return f"{100 * error:.1f} %"
-
-
-def _settings(method: str, chosen: dict[str, Any]) -> Any:
-    extra: dict[str, Any] = {}
-    for name, value in chosen.items():
-        extra |= along(method, name, value)
-    return settings_from(METHODS[method].settings, {**extra, **chosen})

@@ -10,13 +10,15 @@ from engine.measure.timing import Timing
 from engine.measure.trial import Trial
 
 MAIN_ERROR = "relative_l2"
+# Knobs of points that belong to no setting: the defaults, a plan's, a step of a ladder.
+DEFAULTS, PLAN, RUNG = "", "plan", "rung"
 
 
 @dataclass(frozen=True)
 class Point:
     """One setting of a method, measured.
 
-    knob        the setting that was swept; empty for the defaults
+    knob        the setting that was swept, or one of DEFAULTS, PLAN, RUNG
     error       mean over the edits of each metric of `engine.measure.metrics`, edges left out, and
                 the flicker of a drag
     errors      the same per edit

@@ -1,84 +1,75 @@
-"""A benchmark as tables for a terminal."""
+"""One page that says how fast and how exact everything is: measured here, told by `report_page`.
+
+A part that was measured before is read from the folder: what takes long is done once, and an
+interrupted report goes on where it stopped. Delete a file to have it measured anew.
+"""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
-from rich.table import Table
+from engine.measure import papers
+from engine.measure.document import write_json
+from engine.measure.report_page import page
+from engine.measure.survey import kinds_of, survey
+from engine.methods.base import Progress
+from engine.scene.edits import edited_camera
+from engine.scene.open import open_scene
+from engine.scene.scene import Scene
+from engine.store import Store
+
+SCENES = ("cornell-box", "room", "teatray", "knot", "vase", "ring")
+SIDE = 192  # pixels along the longer side of a survey's pictures
+BUDGETS = (0.05, 0.1, 0.2)  # the first that anything holds is planned for
 
 
-def bench_tables(document: dict[str, Any]) -> list[Table]:
-    """The machine, then a column per scene."""
-    machine = document["machine"]
-    facts = Table(box=None, show_header=False)
-    facts.add_row("machine", f"{machine['cpu']}, {machine['threads']} threads")
-    facts.add_row("memory read", f"{machine['memory_read_gb_s']:.1f} GB/s")
-    facts.add_row("random rays", f"{machine['random_rays_m_s']:.1f} M/s")
-    facts.add_row("version", f"{document['relight']}, {document['commit']}, {document['date']}")
+def write_report(
+    scenes: Sequence[str], folder: Path, *, rivals: bool, progress: Progress
+) -> list[Path]:
+    """Measure what is missing and write report.html; returns the files of the folder.
 
-    scenes = document["scenes"]
-    table = Table(title=scenes[0]["method"], title_justify="left")
-    table.add_column("")
-    for scene in scenes:
-        name = f"{scene['scene']}\n{scene['width']}x{scene['height']}"
-        table.add_column(name, justify="right")
-    for label, cells in _rows(scenes):
-        table.add_row(label, *cells)
-    return [facts, table]
-
-
-def _rows(scenes: list[dict[str, Any]]) -> list[tuple[str, list[str]]]:
-    def row(label: str, *path: str, unit: str, factor: float = 1.0) -> tuple[str, list[str]]:
-        return label, [_cell(scene, path, factor, unit) for scene in scenes]
-
-    phases = dict.fromkeys(name for s in scenes for name in s["phase_seconds"])
-    parts = dict.fromkeys(name for s in scenes for name in s["frame_seconds"]["parts"])
-    lights = dict.fromkeys(name for s in scenes for name in s["frame_seconds"]["lights"])
-    return [
-        row("triangles", "triangles", unit=""),
-        row("precompute", "precompute_seconds", unit="s"),
-        *(row(f"  {name}", "phase_seconds", name, unit="s") for name in phases),
-        row("transport", "bytes", unit="MB", factor=1e-6),
-        row("edit to linear frame, median", "frame_seconds", "median", unit="ms", factor=1e3),
-        row("  95th percentile", "frame_seconds", "p95", unit="ms", factor=1e3),
-        *(
-            row(f"  {name}", "frame_seconds", "lights", name, unit="ms", factor=1e3)
-            for name in lights
-        ),
-        *(
-            row(f"  {name}", "frame_seconds", "parts", name, unit="ms", factor=1e3)
-            for name in parts
-            if name != "total"
-        ),
-        row("products / memory bandwidth", "ratios", "product_bandwidth", unit="%", factor=100),
-        *(
-            [row("a code's value / its formula's", "ratios", "code_over_formula", unit="x")]
-            if "code_over_formula" in scenes[0]["ratios"]
-            else []
-        ),
-        row("reference render to 2 % error", "reference", "seconds_to_2_percent", unit="s"),
-        row("reference / frame", "ratios", "reference_over_frame", unit="x"),
-        row("precompute / reference", "ratios", "precompute_over_reference", unit="x"),
-        *(
-            [
-                row("Mitsuba at our L² error / frame", "ratios", "mitsuba_over_ours", unit="x"),
-                row("  denoised, at our PSNR / frame", "ratios", "denoised_over_ours", unit="x"),
-                ("  its variant", [s["rivals"]["variant"] for s in scenes]),
-            ]
-            if "rivals" in scenes[0]
-            else []
-        ),
-    ]
+    scenes  names or files, SCENES for none
+    rivals  whether Mitsuba 3 stands beside
+    """
+    surveys = []
+    for number, source in enumerate(scenes or SCENES):
+        progress("scenes", number, len(scenes or SCENES))
+        scene = _sized(open_scene(source))
+        surveys += [_survey(scene, kinds, folder, rivals, progress) for kinds in kinds_of(scene)]
+    against = _measured(folder, "papers", lambda: papers.compare(progress=progress))
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "report.html"
+    path.write_text(page(surveys, against))
+    return [path, *sorted(folder.glob("*.json"))]
 
 
-def _cell(scene: dict[str, Any], path: tuple[str, ...], factor: float, unit: str) -> str:
-    value: Any = scene
-    for key in path:
-        value = value.get(key) if value is not None else None
-    if value is None:
-        return "-"
-    return (
-        f"{value:,} {unit}"
-        if isinstance(value, int) and factor == 1
-        else (f"{factor * value:,.{0 if factor * value >= 1000 else 2}f} {unit}")
-    )
+def _survey(
+    scene: Scene, kinds: Sequence[str], folder: Path, rivals: bool, progress: Progress
+) -> dict[str, Any]:
+    def measured() -> dict[str, Any]:
+        for budget in BUDGETS:
+            found = survey(scene, kinds, budget, rivals=rivals, store=Store(), progress=progress)
+            if found["plan"]["holds"]:
+                break
+        return found
+
+    return _measured(folder, f"{scene.name}-{'-'.join(kinds)}", measured)
+
+
+def _measured(folder: Path, name: str, measure: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """What the folder has of that name, else what is measured, which it has from then on."""
+    path = folder / f"{name}.json"
+    if not path.exists():
+        write_json(measure(), folder, name)
+    found: dict[str, Any] = json.loads(path.read_text())
+    return found
+
+
+def _sized(scene: Scene) -> Scene:
+    camera = scene.camera
+    part = min(1.0, SIDE / max(camera.width, camera.height))
+    size = {"width": round(part * camera.width), "height": round(part * camera.height)}
+    return scene.with_camera(edited_camera(camera, size))

@@ -11,7 +11,7 @@ import pytest
 from engine.errors import InputError
 from engine.measure import pilots, planner
 from engine.measure.held_out import judged_on
-from engine.measure.ladders import LADDERS, below, rung, rungs
+from engine.measure.ladders import LADDERS, below, rung, rungs, settings_at
 from engine.measure.pilots import Cost
 from engine.measure.planner import ORDER, plan
 from engine.measure.settings import settings_from
@@ -28,7 +28,7 @@ from engine.store import Store
 def test_ladders_are_of_settings_that_exist(method: str) -> None:
     assert set(LADDERS) == set(METHODS) == set(ORDER)
     for k in range(rungs(method)):
-        planner._settings(method, rung(method, k))
+        settings_at(method, rung(method, k))
     for name, steps in LADDERS[method].items():
         assert below(method, name, steps[0]) is None
         assert [below(method, name, value) for value in steps[1:]] == list(steps[:-1])

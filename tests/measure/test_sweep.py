@@ -13,7 +13,7 @@ from engine.errors import InputError, NotFound
 from engine.measure import sweep as sweep_module
 from engine.measure import truth as truth_module
 from engine.measure.bench import bench
-from engine.measure.report import bench_tables
+from engine.measure.bench_tables import bench_tables
 from engine.measure.sweep import SWEEPS, time_frames, variants
 from engine.measure.truth import truth
 from engine.methods import METHODS

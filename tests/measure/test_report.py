@@ -1,0 +1,124 @@
+"""The report: one file that needs no other, from documents that are measured once."""
+
+from __future__ import annotations
+
+import json
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from engine.measure import report
+from engine.measure.papers import ERROR, FRAME, PAPERS
+from engine.measure.report import write_report
+from engine.measure.report_page import page
+from engine.methods import METHODS
+from engine.methods.base import silent
+
+MACHINE = {"cpu": "a <machine>", "threads": 2, "memory_read_gb_s": 8.0, "random_rays_m_s": 3.0}
+
+
+def survey_of(scene: str, kinds: list[str], budget: float, error: float) -> dict[str, Any]:
+    def point(knob: str, settings: dict[str, Any], ms: float, off: float) -> dict[str, Any]:
+        return {
+            "method": "glossy_prt", "knob": knob, "settings": settings,
+            "fronts": ["frame_seconds", "bytes", "precompute_seconds"],
+            "error": {"relative_l2": off}, "frame_seconds": {"median": ms / 1000},
+            "bytes": 1e6 * ms, "precompute_seconds": ms,
+        }  # fmt: skip
+
+    cost = {"error": 0.04, "frame": 0.02, "bytes": 2e6, "precompute": 30.0}
+    return {
+        "scene": scene, "kinds": kinds, "width": 192, "height": 144, "machine": MACHINE,
+        "date": "2026-01-01T00:00:00", "commit": "abc", "seed": 1, "main_error": "relative_l2",
+        "edits": [{}], "references": [{"floor": 0.005}], "others": [],
+        "points": [point("plan", {}, 20, error)]
+        + [point("rung", {"rung": k}, 10 * (k + 1), 0.1 / (k + 1)) for k in range(3)],
+        "plan": {
+            "method": "glossy_prt", "budget": budget, "predicted": cost, "seconds": 3.0,
+            "measured": {**cost, "error": error}, "holds": True, "kept": error <= budget,
+            "best_swept_frame": 0.019, "reasons": ["terms = 2: 1 would be 9 % off"],
+            "left_out": ["brdf_editing takes no edits of environment"],
+        },
+    }  # fmt: skip
+
+
+def against() -> dict[str, Any]:
+    row = {
+        "method": "glossy_prt", "name": "bunny", "machine": "Pentium", "scene": "knot",
+        "settings": {"terms": 4}, "theirs": {FRAME: 208.0, ERROR: 5.4}, "ours": {FRAME: 20.0},
+    }  # fmt: skip
+    return {"machine": MACHINE, "rows": [row]}
+
+
+class Page(HTMLParser):
+    """Every tag is closed, and every address is within the page."""
+
+    VOID = frozenset({"meta", "img"})
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.addresses: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag not in self.VOID:
+            self.open.append(tag)
+        self.addresses += [value or "" for name, value in attrs if name in ("src", "href")]
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+def test_the_page_holds_everything_and_needs_nothing() -> None:
+    surveys = [
+        survey_of("knot", ["environment"], 0.05, 0.03), survey_of("vase", ["camera"], 0.05, 0.06)
+    ]  # fmt: skip
+    text = page(surveys, against())
+    parsed = Page(text)
+    assert not parsed.open
+    assert len(parsed.addresses) == 2
+    assert all(a.startswith("data:image/svg+xml;base64,") for a in parsed.addresses)
+    assert "a &lt;machine&gt;" in text
+    assert ">yes<" in text
+    assert 'class="words">environment' in text
+    assert ">NO<" in text, "a budget that was promised and broken stands out"
+    assert "<td>208</td><td>20</td><td>5.4</td><td>–</td>" in text
+    assert "left out: brdf_editing takes no edits of environment" in text
+    assert text == page(surveys, against())
+
+
+def test_what_was_measured_is_not_measured_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[tuple[str, ...]] = []
+
+    def survey(scene: Any, kinds: Any, budget: float, **_: Any) -> dict[str, Any]:
+        asked.append((scene.name, *kinds, budget))
+        assert max(scene.camera.width, scene.camera.height) == report.SIDE
+        found = survey_of(scene.name, list(kinds), budget, 0.07)
+        found["plan"]["holds"] = budget > 0.05
+        return found
+
+    monkeypatch.setattr(report, "survey", survey)
+    monkeypatch.setattr(report.papers, "compare", lambda progress: against())
+    paths = write_report(["cornell-box"], tmp_path, rivals=False, progress=silent)
+    assert paths[0].name == "report.html"
+    # What nothing holds is planned for with more.
+    assert asked == [
+        ("cornell-box", kind, budget) for kind in ("lights", "materials") for budget in (0.05, 0.1)
+    ]
+    text = paths[0].read_text()
+    assert json.loads((tmp_path / "cornell-box-lights.json").read_text())["plan"]["budget"] == 0.1
+    write_report(["cornell-box"], tmp_path, rivals=False, progress=silent)
+    assert len(asked) == 4
+    assert paths[0].read_text() == text
+
+
+def test_every_method_stands_beside_its_paper() -> None:
+    assert {case.method for case in PAPERS} == set(METHODS)
+    for case in PAPERS:
+        assert case.kind in METHODS[case.method].edits
