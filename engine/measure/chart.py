@@ -6,6 +6,7 @@ words beside the lines in place of a legend.
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any
 
@@ -45,11 +46,18 @@ def write_figure(figure: Figure, document: dict[str, Any], folder: Path, name: s
     """Write a figure as SVG and PNG, and the numbers behind it as JSON; returns their paths."""
     numbers = write_json(document, folder, name)
     paths = [folder / f"{name}.svg", folder / f"{name}.png", numbers]
-    # A fixed salt and no date: the same numbers give the same file.
-    with matplotlib.rc_context({"svg.hashsalt": "relight", "svg.fonttype": "none"}):
-        figure.savefig(paths[0], metadata={"Date": None})
+    paths[0].write_bytes(as_svg(figure))
     figure.savefig(paths[1], dpi=200, metadata={"Software": None})
     return paths
+
+
+def as_svg(figure: Figure) -> bytes:
+    """The figure as SVG; the same numbers give the same bytes."""
+    file = io.BytesIO()
+    # A fixed salt and no date.
+    with matplotlib.rc_context({"svg.hashsalt": "relight", "svg.fonttype": "none"}):
+        figure.savefig(file, format="svg", metadata={"Date": None})
+    return file.getvalue()
 
 
 def draw(document: dict[str, Any]) -> Figure:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from engine.measure import papers
+from engine.measure.chart import as_svg, draw
 from engine.measure.document import write_json
 from engine.measure.report_page import page
 from engine.measure.survey import kinds_of, survey
@@ -34,16 +35,19 @@ def write_report(
     scenes  names or files, SCENES for none
     rivals  whether Mitsuba 3 stands beside
     """
+    folder.mkdir(parents=True, exist_ok=True)
     surveys = []
     for number, source in enumerate(scenes or SCENES):
         progress("scenes", number, len(scenes or SCENES))
         scene = _sized(open_scene(source))
         surveys += [_survey(scene, kinds, folder, rivals, progress) for kinds in kinds_of(scene)]
     against = _measured(folder, "papers", lambda: papers.compare(progress=progress))
-    folder.mkdir(parents=True, exist_ok=True)
+    charts = [as_svg(draw(found)) for found in surveys]
+    for found, chart in zip(surveys, charts, strict=True):
+        (folder / f"{_name(found['scene'], found['kinds'])}.svg").write_bytes(chart)
     path = folder / "report.html"
-    path.write_text(page(surveys, against))
-    return [path, *sorted(folder.glob("*.json"))]
+    path.write_text(page(surveys, charts, against))
+    return [path, *sorted(folder.glob("*.json")), *sorted(folder.glob("*.svg"))]
 
 
 def _survey(
@@ -56,7 +60,11 @@ def _survey(
                 break
         return found
 
-    return _measured(folder, f"{scene.name}-{'-'.join(kinds)}", measured)
+    return _measured(folder, _name(scene.name, kinds), measured)
+
+
+def _name(scene: str, kinds: Sequence[str]) -> str:
+    return f"{scene}-{'-'.join(kinds)}"
 
 
 def _measured(folder: Path, name: str, measure: Callable[[], dict[str, Any]]) -> dict[str, Any]:

@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 import base64
-import io
 from collections.abc import Iterable, Sequence
 from html import escape
 from string import Template
 from typing import Any
-
-import matplotlib
-
-from engine.measure.chart import draw
 
 STYLE = """
 :root { color-scheme: light dark }
@@ -39,15 +34,22 @@ $body
 Cell = str | float | None
 
 
-def page(surveys: Sequence[dict[str, Any]], against: dict[str, Any]) -> str:
+def page(
+    surveys: Sequence[dict[str, Any]], charts: Sequence[bytes], against: dict[str, Any]
+) -> str:
     """The whole file.
 
     surveys  of `engine.measure.survey`
+    charts   of each, as SVG
     against  of `engine.measure.papers.compare`
     """
     parts = [*_plans(surveys), *_papers(against)]
-    for name in dict.fromkeys(s["scene"] for s in surveys):
-        parts += _scene(name, [s for s in surveys if s["scene"] == name])
+    before = None
+    for survey, chart in zip(surveys, charts, strict=True):
+        if survey["scene"] != before:
+            parts.append(f"<h2>{escape(survey['scene'])}</h2>")
+        before = survey["scene"]
+        parts += _scene(survey, chart)
     return PAGE.substitute(style=STYLE, machine=escape(_machine(against)), body="\n".join(parts))
 
 
@@ -104,34 +106,22 @@ def _papers(against: dict[str, Any]) -> Iterable[str]:
     yield _table(head, rows, words=5)
 
 
-def _scene(name: str, surveys: Sequence[dict[str, Any]]) -> Iterable[str]:
-    """Charts of a scene, and what its plans leave out."""
-    yield f"<h2>{escape(name)}</h2>"
-    for s in surveys:
-        plan = s["plan"]
-        yield f"<h3>Edits of {escape(' and '.join(s['kinds']))}</h3>"
-        yield f'<figure><img alt="{escape(_caption(s))}" src="{_svg(s)}"></figure>'
-        held = "holds" if plan["holds"] else "does not hold"
-        yield (
-            f"<p>Planned for {_percent(plan['budget'])}: <b>{escape(plan['method'])}</b>, which "
-            f"{held} it.</p><ul>"
-        )
-        yield from (f"<li>{escape(reason)}</li>" for reason in plan["reasons"])
-        yield from (f"<li>left out: {escape(reason)}</li>" for reason in plan["left_out"])
-        yield "</ul>"
-        yield f'<p class="small">{s["date"][:10]}, {s["commit"]}, seed {s["seed"]}</p>'
-
-
-def _caption(survey: dict[str, Any]) -> str:
-    return f"Error against frame time, bytes and precompute: {survey['scene']}"
-
-
-def _svg(survey: dict[str, Any]) -> str:
-    """The chart as a data address."""
-    file = io.BytesIO()
-    with matplotlib.rc_context({"svg.hashsalt": "relight", "svg.fonttype": "none"}):
-        draw(survey).savefig(file, format="svg", metadata={"Date": None})
-    return f"data:image/svg+xml;base64,{base64.b64encode(file.getvalue()).decode()}"
+def _scene(survey: dict[str, Any], chart: bytes) -> Iterable[str]:
+    """What edits of a kind cost there, and what its plan leaves out."""
+    plan = survey["plan"]
+    address = f"data:image/svg+xml;base64,{base64.b64encode(chart).decode()}"
+    words = f"Error against frame time, bytes and precompute: {survey['scene']}"
+    yield f"<h3>Edits of {escape(' and '.join(survey['kinds']))}</h3>"
+    yield f'<figure><img alt="{escape(words)}" src="{address}"></figure>'
+    held = "holds" if plan["holds"] else "does not hold"
+    yield (
+        f"<p>Planned for {_percent(plan['budget'])}: <b>{escape(plan['method'])}</b>, which "
+        f"{held} it.</p><ul>"
+    )
+    yield from (f"<li>{escape(reason)}</li>" for reason in plan["reasons"])
+    yield from (f"<li>left out: {escape(reason)}</li>" for reason in plan["left_out"])
+    yield "</ul>"
+    yield f'<p class="small">{survey["date"][:10]}, {survey["commit"]}, seed {survey["seed"]}</p>'
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[Cell]], words: int) -> str:

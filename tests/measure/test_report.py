@@ -77,7 +77,7 @@ def test_the_page_holds_everything_and_needs_nothing() -> None:
     surveys = [
         survey_of("knot", ["environment"], 0.05, 0.03), survey_of("vase", ["camera"], 0.05, 0.06)
     ]  # fmt: skip
-    text = page(surveys, against())
+    text = page(surveys, [b"<svg/>"] * 2, against())
     parsed = Page(text)
     assert not parsed.open
     assert len(parsed.addresses) == 2
@@ -88,7 +88,7 @@ def test_the_page_holds_everything_and_needs_nothing() -> None:
     assert ">NO<" in text, "a budget that was promised and broken stands out"
     assert "<td>208</td><td>20</td><td>5.4</td><td>–</td>" in text
     assert "left out: brdf_editing takes no edits of environment" in text
-    assert text == page(surveys, against())
+    assert text == page(surveys, [b"<svg/>"] * 2, against())
 
 
 def test_what_was_measured_is_not_measured_again(
