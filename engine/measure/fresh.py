@@ -27,11 +27,20 @@ class Fresh:
 
 
 @contextlib.contextmanager
-def fresh(scene: Scene, method: str, settings: Any, progress: Progress = silent) -> Iterator[Fresh]:
-    """A product whose transport lies in a store that is thrown away at the end."""
+def fresh(
+    scene: Scene,
+    method: str,
+    settings: Any,
+    progress: Progress = silent,
+    store: Store | None = None,
+) -> Iterator[Fresh]:
+    """A product whose transport lies in a store that is thrown away at the end.
+
+    With a `store` of one's own it stays there, and takes no time where it was there.
+    """
     with tempfile.TemporaryDirectory(prefix="relight-fresh-") as folder:
         clock, start = PhaseClock(progress), time.perf_counter()
-        product = prepare(scene, method, settings, clock, store=Store(Path(folder)))
+        product = prepare(scene, method, settings, clock, store=store or Store(Path(folder)))
         seconds = time.perf_counter() - start
         clock.stop()
         yield Fresh(product, seconds, clock.seconds)

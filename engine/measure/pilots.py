@@ -1,10 +1,12 @@
 """Small pictures that tell what large ones will be like: error, time and bytes of a setting.
 
-A pilot is the whole method on a picture of few pixels. The relative error of indirect light hardly
-depends on how many there are. That of direct light lies where shadows end within pixels, of which
-there are fewer the more pixels there are. The methods of a fixed view draw direct light in one way,
-which needs no precompute: it is taken from their pictures, and from the references, and the error
-that it has by itself is added as it shrinks.
+A pilot is the whole method on a picture of few pixels. Where transport knows no camera it is the
+precompute itself: it stays in the store, and what is chosen need not be made again.
+
+The relative error of indirect light hardly depends on how many pixels there are. That of direct
+light lies where shadows end within pixels, of which there are fewer the more pixels there are. The
+methods of a fixed view draw direct light in one way, which needs no precompute: it is taken from
+their pictures, and from the references, and the error that it has by itself is added as it shrinks.
 """
 
 from __future__ import annotations
@@ -32,7 +34,8 @@ from engine.store import Store
 
 SIDE = 64  # pixels along the longer side
 LARGER = 3  # times as long: the second pilot of a setting
-EDITS, SEED, REPEATS = 6, 101, 3
+EDITS, SEED = 6, 101
+REPEATS, MORE_REPEATS = 1, 3  # of timed frames: of every pilot, of the larger one
 # Error of direct light by the side of the picture: 15.8, 10.7, 5.8, 3.8 % of a spot in the Cornell
 # box at 32, 64, 128, 256 pixels.
 SHRINKS = 0.7
@@ -65,7 +68,7 @@ class Pilots:
 
         References carry all light of the scene, so what a method leaves out counts as error.
         """
-        self._scene, self._progress = scene, progress
+        self._scene, self._store, self._progress = scene, store, progress
         small = _sized(scene, SIDE)
         edits = [edit for kind in kinds for edit in HELD_OUT[kind](small, EDITS, SEED)]
         self._trial = trial_of(small, edits, noise, store, progress)
@@ -76,7 +79,7 @@ class Pilots:
 
     def run(self, method: str, settings: Any) -> Cost:
         """A small picture of every edit, against its reference; the error is of a whole one."""
-        cost, images = self._run(self._trial, method, settings)
+        cost, images = self._run(self._trial, method, settings, REPEATS)
         shrunk = (SIDE / max(SIDE, _side(self._scene.camera))) ** SHRINKS
         apart = "lights" in METHODS[method].edits
         errors = []
@@ -92,7 +95,8 @@ class Pilots:
     def whole(self, method: str, settings: Any, small: Cost) -> Cost:
         """For all pixels, from what a few more of them cost."""
         larger = _sized(self._scene, LARGER * SIDE)
-        seen, _ = self._run(Trial(larger, self._trial.edits, [], [], [], []), method, settings)
+        trial = Trial(larger, self._trial.edits, [], [], [], [])
+        seen, _ = self._run(trial, method, settings, MORE_REPEATS)
         a, b, n = (_pixels(s.camera) for s in (self._trial.scene, larger, self._scene))
 
         def at_all(of_small: float, of_larger: float) -> float:
@@ -100,21 +104,32 @@ class Pilots:
                 return of_larger
             return of_larger + max(0.0, of_larger - of_small) / (b - a) * (n - b)
 
+        frame = at_all(small.frame, seen.frame)
+        if _without_camera(method):
+            return replace(small, frame=frame)
         return Cost(
             small.error,
-            at_all(small.frame, seen.frame),
+            frame,
             at_all(small.bytes, seen.bytes),
             at_all(small.precompute, seen.precompute),
         )
 
-    def _run(self, trial: Trial, method: str, settings: Any) -> tuple[Cost, list[Image]]:
+    def _run(
+        self, trial: Trial, method: str, settings: Any, repeats: int
+    ) -> tuple[Cost, list[Image]]:
         """(its cost but for the error, the picture of every edit)."""
         self.count += 1
-        step = STEP * trial.scene.diagonal
-        with fresh(trial.scene, method, settings, self._progress) as made:
-            frames, timing, _ = time_frames(made.product, trial.edits, REPEATS, step)
+        kept = self._store if _without_camera(method) else None
+        with fresh(trial.scene, method, settings, self._progress, store=kept) as made:
+            step = STEP * trial.scene.diagonal
+            frames, timing, _ = time_frames(made.product, trial.edits, repeats, step)
             cost = Cost(0.0, timing.median, made.product.bytes, made.seconds)
         return cost, [frame.image for frame in frames]
+
+
+def _without_camera(method: str) -> bool:
+    """Whether a precompute is the same for pictures of any size."""
+    return "camera" in METHODS[method].edits
 
 
 @dataclass(frozen=True)
