@@ -1,4 +1,4 @@
-"""Precompute jobs: one at a time, watched by clients, cancelled within a second.
+"""Precompute jobs and other long work: one at a time, watched by clients, cancelled within a second.
 
 A job that was started because somebody looked is stopped when the last one looks elsewhere; a job
 that was asked for by name (`watcher=API`) ends only by itself or by `cancel`. What somebody looks
@@ -57,6 +57,7 @@ class Job:
         now = self.ended or time.monotonic()
         return JobState(
             id=self.id,
+            work=self.task.work,
             scene=self.task.scene,
             method=self.task.method,
             status=self.status,

@@ -1,9 +1,10 @@
-"""Precompute in a process of its own, so that frames stay quick and cancelling is certain.
+"""Long work in a process of its own, so that frames stay quick and cancelling is certain.
 
 `python -m server.precompute` reads one `Task` as a line of JSON on its standard input and writes
 lines of JSON: {"phase", "done", "total"} as it goes, {"error": {...}} where it failed. What it made
-lies in the store afterwards, where the service finds it. It ends when its input closes, so it
-never outlives the service; it leads its own process group, so that its helpers end with it.
+lies in the store afterwards, where the service finds it; see `server.work`. It ends when its input
+closes, so it never outlives the service; it leads its own process group, so that its helpers end
+with it.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ import engine.errors
 from engine.errors import Cancelled, InputError, RelightError
 from engine.methods.base import EDITS, Progress
 from engine.scene.camera import Camera
+from engine.scene.edits import Edits
+from server.wire import Work
 
 Materials = dict[str, dict[str, Any]]
 """Edits of materials by name, see `engine.scene.edits.Edits`."""
@@ -34,8 +37,16 @@ NICENESS = 10
 POLL_SECONDS = 0.1
 
 
+
 class Task(BaseModel):
-    """What to precompute; `source` as `engine.scene.open.open_scene` takes it."""
+    """What to make; `source` as `engine.scene.open.open_scene` takes it.
+
+    work      a method's product for a camera and materials; what its settings cost on the scene; or
+              a reference picture under edits
+    edits     of a reference
+    error     that a reference may have, relative L2
+    seconds   that a reference may take
+    """
 
     model_config = ConfigDict(frozen=True)
 
@@ -45,11 +56,15 @@ class Task(BaseModel):
     materials: Materials = {}
     method: str
     settings: dict[str, Any] = {}
+    work: Work = "product"
+    edits: Edits = Edits()
+    error: float = 0.0
+    seconds: float = 0.0
 
     @property
-    def key(self) -> tuple[str, Key]:
+    def key(self) -> tuple[Work, str, Key]:
         """Equal for two tasks that make the same product."""
-        return self.scene, key_of(self.method, self.camera, self.materials)
+        return self.work, self.scene, key_of(self.method, self.camera, self.materials)
 
 
 def key_of(method: str, camera: Camera, materials: Materials | None) -> Key:
@@ -173,18 +188,10 @@ def main() -> None:
     def progress(phase: str, done: float, total: float) -> None:
         report({"phase": phase, "done": done, "total": total})
 
-    from engine.methods import prepare
-    from engine.scene.edits import Edits, apply
-    from engine.scene.open import open_scene
+    from server.work import do
 
     try:
-        progress("open scene", 0, 1)
-        scene = apply(open_scene(task.source), Edits(materials=task.materials))
-        scene = scene.with_camera(task.camera)
-        product = prepare(scene, task.method, settings_of(task.method, task.settings), progress)
-        # What frames need is compiled here and kept, so that the render thread need not wait.
-        for scale in (2, 1):
-            product.relight(Edits(), scale, "cpu")
+        do(task, progress)
     except Cancelled:
         pass
     except RelightError as error:

@@ -13,13 +13,15 @@ from engine.scene.camera import Camera
 from engine.scene.edits import Edits
 from engine.store import Store
 from server import maps, measured
+from server.compared import KEPT as KEPT_COMPARED
+from server.compared import Compared
 from server.details import material_details, scene_detail
 from server.jobs import API, Jobs
 from server.maps import Uploads
 from server.measured import Samples
 from server.precompute import Materials, Task, run_in_process, settings_of
 from server.reader import Reader
-from server.stage import HELD, METHOD, Stage, Stages
+from server.stage import HELD, METHOD, Recent, Stage, Stages
 from server.wire import JobState, MaterialDetail, PrecomputeRequest, SceneDetail
 from server.worker import Drawn, Order, Worker, draw
 
@@ -46,6 +48,7 @@ class Service:
         self.reader = Reader()
         self.uploads = Uploads(Store().root / "maps")
         self.samples = Samples(Store().root / "measured")
+        self.compared: Recent[str, Compared] = Recent(KEPT_COMPARED)
         self._precompute = precompute
 
     def close(self) -> None:
@@ -55,8 +58,10 @@ class Service:
         self.worker.close()
 
     def _work(self, task: Task, progress: Progress) -> None:
-        """One job: fill the store elsewhere, then load the product from it."""
+        """One job: fill the store elsewhere, then load the product from it, if it made one."""
         self._precompute(task, progress)
+        if task.work != "product":
+            return
         stage = self.stages.get(task.scene)
         scene = stage.with_materials(task.materials).with_camera(task.camera)
         settings = settings_of(task.method, task.settings)
@@ -127,7 +132,10 @@ class Service:
         settings: Mapping[str, Any] | None = None,
         materials: Materials | None = None,
     ) -> Task:
-        """What to precompute for a view; a product that any camera may use is one for all."""
+        """What to precompute for a view; a product that any camera may use is one for all.
+
+        Without settings it is made as the last one of the method was.
+        """
         if "camera" in EDITS.get(method, ()):
             camera = stage.scene().camera
         return Task(
@@ -136,8 +144,12 @@ class Service:
             camera=camera,
             materials=materials or {},
             method=method,
-            settings={**(self.settings if method == METHOD else {}), **(settings or {})},
+            settings=self.usual(method) | dict(settings or stage.settings(method)),
         )
+
+    def usual(self, method: str) -> dict[str, Any]:
+        """Settings of a method in place of its defaults, where nobody asks for others."""
+        return dict(self.settings) if method == METHOD else {}
 
     def detail(self, stage: Stage) -> SceneDetail:
         """Everything the page needs to know about a scene; opens it."""

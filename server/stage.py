@@ -91,6 +91,7 @@ class Stage:
         self._lock = threading.Lock()
         self._scene: Scene | None = None
         self._products: Recent[Key, Product] = Recent(KEPT_PRODUCTS)
+        self._settings: dict[str, Mapping[str, Any]] = {}
         self._tuned: Recent[tuple[str, Any], tuple[Product, Product]] = Recent(KEPT_TUNED)
         self._previews: Recent[str, DirectPreview] = Recent(KEPT_PREVIEWS)
 
@@ -145,7 +146,12 @@ class Stage:
 
     def install(self, task: Task, product: Product) -> None:
         """Use the product of a task from now on."""
-        self._products.keep(task.key[1], product)
+        self._products.keep(task.key[-1], product)
+        self._settings[task.method] = task.settings
+
+    def settings(self, method: str) -> Mapping[str, Any]:
+        """Those of the last product of the method, in place of its defaults: others follow it."""
+        return self._settings.get(method, {})
 
     def view(
         self,

@@ -18,6 +18,8 @@ from engine.scene.edits import Edits
 
 ImageFormat = Literal["jpeg", "png", "webp", "exr"]
 JobStatus = Literal["queued", "running", "done", "failed", "cancelled"]
+Work = Literal["product", "front", "reference"]
+Shown = Literal["live", "reference", "difference"]
 
 Exposure = Annotated[float, Field(ge=-32, le=32, description="in stops: doubles per unit")]
 Scale = Annotated[int, Field(ge=1, le=2, description="2 draws every second pixel and row")]
@@ -197,9 +199,13 @@ class PrecomputeRequest(Wire):
 
 
 class JobState(Wire):
-    """A precompute: `fraction` and `eta_seconds` are those of the phase, None while unknown."""
+    """A precompute: `fraction` and `eta_seconds` are those of the phase, None while unknown.
+
+    work  what is made: a method's product, what its settings cost, or a reference picture
+    """
 
     id: str
+    work: Work = "product"
     scene: str
     method: str
     status: JobStatus
@@ -208,6 +214,62 @@ class JobState(Wire):
     elapsed_seconds: float = 0.0
     eta_seconds: float | None = None
     problem: Problem | None = None
+
+
+class ChartPoint(Wire):
+    """Settings of a method and what they cost for the whole picture.
+
+    error               relative L2, edges left out
+    frame_seconds       from edit to linear frame
+    bytes               transport
+    precompute_seconds  from nothing
+    best                whether no other point has both less error and quicker frames
+    """
+
+    label: str
+    settings: dict[str, Any]
+    error: float
+    frame_seconds: float
+    bytes: float
+    precompute_seconds: float
+    best: bool
+
+
+class Chart(Wire):
+    """Speed against accuracy of a method on a scene.
+
+    kinds    which edits it was judged by
+    current  which point has the settings that frames have, or would have; None where none has
+    """
+
+    scene: str
+    method: str
+    kinds: list[str]
+    points: list[ChartPoint]
+    current: int | None
+
+
+class ReferenceResult(Wire):
+    """How far a frame was off; the pictures lie beside it, see `Shown`.
+
+    method   that drew the frame
+    error    relative L2, edges left out, the reference's noise taken out
+    least    the smallest error that this noise lets one see
+    psnr     decibels, as shown; None where the pictures are equal
+    noise    relative L2 error of the reference itself
+    samples  of it, per pixel
+    seconds  that it took
+    full     where the difference is darkest: parts of the mean radiance
+    """
+
+    method: str
+    error: float
+    least: float
+    psnr: float | None
+    noise: float
+    samples: int
+    seconds: float
+    full: float
 
 
 class LiveEdit(Wire):

@@ -13,7 +13,7 @@ from engine.images import encode, encode_exr
 from engine.numerics.display import to_srgb8
 from engine.scene.edits import Edits
 from server.problems import Busy
-from server.stage import METHOD, Stage
+from server.stage import METHOD, Stage, View
 from server.wire import FrameHeader, ImageFormat, Notice
 
 T = TypeVar("T")
@@ -66,14 +66,18 @@ class Worker:
         self._pool.shutdown(wait=True, cancel_futures=True)
 
 
+def view_of(stage: Stage, order: Order) -> View:
+    """What draws the order; in the render thread alone."""
+    edits, camera = order.edits, stage.camera(order.edits)
+    return stage.view(camera, order.scale, order.method, edits.materials, order.settings)
+
+
 def draw(stage: Stage, order: Order) -> Drawn:
     """Relight, display and encode; in the render thread alone."""
     start = time.perf_counter()
-    edits = order.edits
-    camera = stage.camera(edits)
-    view = stage.view(camera, order.scale, order.method, edits.materials, order.settings)
+    view = view_of(stage, order)
     prepared = time.perf_counter()
-    frame = view.relight(edits)
+    frame = view.relight(order.edits)
     relit = time.perf_counter()
     if order.format == "exr":
         image = encode_exr(frame.image)

@@ -7,17 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from engine.measure.chart import GREY, machine_caption
 from engine.measure.document import write_json
+from engine.measure.false_colour import false_colour
 from engine.numerics.display import to_srgb
 
 WIDE = 2.0  # inches of a picture
-COLOURS = "RdBu_r"  # too bright is red, too dark blue
 Image = NDArray[np.float32]
 
 
@@ -55,14 +54,8 @@ def picture(image: Image, exposure: float, caption: str) -> Tile:
 def difference(
     image: Image, reference: Image, mask: NDArray[np.bool_], full: float, caption: str
 ) -> Tile:
-    """A tile of where a picture is too bright, red, and too dark, blue; (h, w, 3) both.
-
-    The colour is full where the mean of the channels is off by the part `full` of the reference's
-    mean over the mask (h, w).
-    """
-    off = (image.mean(axis=2) - reference.mean(axis=2)) / max(float(reference[mask].mean()), 1e-30)
-    colours = matplotlib.colormaps[COLOURS](0.5 + 0.5 * np.clip(off / full, -1, 1))
-    return Tile(colours[..., :3], caption)
+    """A tile of where a picture is too bright, red, and too dark, blue; see `false_colour`."""
+    return Tile(false_colour(image, reference, mask, full), caption)
 
 
 def draw(sheet: Sheet) -> Figure:

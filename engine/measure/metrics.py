@@ -10,10 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-import flip_evaluator
 import numpy as np
 from numpy.typing import NDArray
-from skimage.color import deltaE_ciede2000, rgb2lab
 
 from engine.errors import InputError
 from engine.numerics.display import srgb_from_linear
@@ -70,6 +68,9 @@ def lab_difference(
     image: Image, reference: Image, mask: Mask | None = None, exposure: float = 0.0
 ) -> float:
     """Mean CIEDE2000 difference of the displayed pictures (CIE L*a*b*, D65); 1 is just visible."""
+    # These packages come with the extra `chart`; the service does without them.
+    from skimage.color import deltaE_ciede2000, rgb2lab
+
     _pair(image, reference, mask)
     lab = [rgb2lab(_shown(picture, exposure)) for picture in (image, reference)]
     difference = deltaE_ciede2000(*lab)
@@ -79,6 +80,8 @@ def lab_difference(
 
 def lab_distance(image: Image, reference: Image, exposure: float = 0.0) -> NDArray[np.float64]:
     """(h, w): distances of the displayed pictures in CIE L*a*b* (D65), the ΔE of 1976."""
+    from skimage.color import rgb2lab
+
     _pair(image, reference, None)
     a, b = (rgb2lab(_shown(picture, exposure)) for picture in (image, reference))
     return np.asarray(np.linalg.norm(a - b, axis=2), np.float64)
@@ -184,6 +187,8 @@ def _pair(image: Image, reference: Image, mask: Mask | None) -> tuple[NDArray, N
 
 
 def _flip(image: Image, reference: Image, dynamic_range: str, mask: Mask | None) -> float:
+    import flip_evaluator
+
     error, _, _ = flip_evaluator.evaluate(
         np.ascontiguousarray(reference, np.float32),
         np.ascontiguousarray(image, np.float32),

@@ -13,7 +13,7 @@ from engine.methods.base import Progress, silent
 from engine.reference import render
 from engine.scene.edits import Edits, apply
 from engine.scene.scene import Scene
-from engine.store import Store
+from engine.store import Entry, Store
 
 # Part of every key: raise it when the reference renderer gives other pictures.
 VERSION = 1
@@ -45,29 +45,54 @@ def truth(
     progress: Progress = silent,
     seed: int = 0,
     max_bounces: int | None = None,
+    max_seconds: float | None = None,
 ) -> Truth:
     """The picture of the scene under the edits to a relative L2 error, from the store if it can.
 
-    Each seed has noise of its own; `max_bounces` is that of `engine.reference.render`.
+    Each seed has noise of its own; the limits are those of `engine.reference.render`.
     """
     edited = apply(scene, edits)
-    name = f"reference-{_digest(edited, error)}"
+    entry = store.entry(_name(edited, error, seed, max_bounces, max_seconds))
+    found = _read(entry)
+    if found is not None:
+        return found
+    result = render(
+        edited, error=error, seed=seed, max_bounces=max_bounces, max_seconds=max_seconds,
+        progress=progress,
+    )  # fmt: skip
+    entry.write(
+        "picture",
+        {"image": result.image, "variance": result.variance},
+        {"error": result.error, "seconds": result.seconds, "samples": result.samples},
+    )
+    return Truth(result.image, result.variance, result.error, result.seconds, result.samples)
+
+
+def known_truth(
+    scene: Scene, edits: Edits, error: float, store: Store, max_seconds: float
+) -> Truth | None:
+    """What `truth` has left in the store; None where it has not been asked."""
+    return _read(store.entry(_name(apply(scene, edits), error, 0, None, max_seconds)))
+
+
+def _name(
+    scene: Scene, error: float, seed: int, max_bounces: int | None, max_seconds: float | None
+) -> str:
+    name = f"reference-{picture_digest(scene, error)}"
     name += "" if max_bounces is None else f"-bounces-{max_bounces}"
-    entry = store.entry(name + (f"-{seed}" if seed else ""))
+    name += "" if max_seconds is None else f"-within-{max_seconds:g}-s"
+    return name + (f"-{seed}" if seed else "")
+
+
+def _read(entry: Entry) -> Truth | None:
     found = entry.read("picture")
     if found is None:
-        result = render(edited, error=error, seed=seed, max_bounces=max_bounces, progress=progress)
-        entry.write(
-            "picture",
-            {"image": result.image, "variance": result.variance},
-            {"error": result.error, "seconds": result.seconds, "samples": result.samples},
-        )
-        return Truth(result.image, result.variance, result.error, result.seconds, result.samples)
+        return None
     return Truth(found.arrays["image"], found.arrays["variance"], **found.meta)
 
 
-def _digest(scene: Scene, error: float) -> str:
-    """Everything that the picture depends on."""
+def picture_digest(scene: Scene, error: float) -> str:
+    """Everything that a reference depends on: the scene, its light, its camera."""
     digest = hashlib.blake2b(digest_size=16)
     digest.update(f"{VERSION} {error!r} {scene.transport_digest} ".encode())
     digest.update(scene.camera.model_dump_json().encode())

@@ -1,0 +1,35 @@
+"""One picture against its reference, in numbers: what a person wants to hear of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from engine.measure.metrics import Image, Mask, psnr, relative_l2, resolution
+from engine.measure.truth import Truth
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """How far a picture is off.
+
+    error   relative L2, edges left out, the reference's noise taken out
+    least   the smallest error that this noise lets one see
+    psnr    decibels of the pictures as they are shown, with the noise; None where they are equal
+    noise   relative L2 error of the reference itself
+    """
+
+    error: float
+    least: float
+    psnr: float | None
+    noise: float
+
+
+def verdict(image: Image, truth: Truth, kept: Mask, exposure: float) -> Verdict:
+    """Of a picture (h, w, 3) over the pixels that count, (h, w) bool; exposure in stops."""
+    shown = psnr(image, truth.image, kept, exposure)
+    return Verdict(
+        relative_l2(image, truth.image, kept, truth.variance),
+        resolution(truth.image, truth.variance, kept),
+        shown if shown < float("inf") else None,
+        truth.error,
+    )

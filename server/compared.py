@@ -1,0 +1,70 @@
+"""Frames beside what the reference shows of the same edits.
+
+The frame is drawn when somebody asks. The reference is a job in a process of its own, which leaves
+it in the store; once it is there the two are compared.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.errors import NotFound
+from engine.measure.false_colour import false_colour
+from engine.measure.trial import masks_of
+from engine.measure.truth import Truth, known_truth
+from engine.measure.verdict import verdict
+from engine.numerics.display import to_srgb8
+from engine.scene.edits import apply
+from engine.scene.scene import Scene
+from engine.store import Store
+from server.precompute import Task
+from server.wire import ReferenceResult, Shown
+
+KEPT = 8  # that can still be asked for
+FULL = 0.25  # of the mean radiance: where the difference has its darkest colours
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A frame, (h, w, 3) float32 linear radiance, the method that drew it, and its reference."""
+
+    scene: Scene
+    task: Task
+    frame: NDArray[np.float32]
+    method: str
+
+    @cached_property
+    def truth(self) -> Truth:
+        """Raises NotFound while it is not there."""
+        task = self.task
+        found = known_truth(self.scene, task.edits, task.error, Store(), task.seconds)
+        if found is None:
+            raise NotFound("the reference is not there yet")
+        return found
+
+    @cached_property
+    def kept(self) -> NDArray[np.bool_]:
+        """(h, w): the pixels that count, which are those without edges."""
+        return masks_of(apply(self.scene, self.task.edits), [self.task.edits])[0]
+
+    def result(self, exposure: float) -> ReferenceResult:
+        """The numbers, at an exposure in stops."""
+        found = verdict(self.frame, self.truth, self.kept, exposure)
+        return ReferenceResult(
+            **asdict(found),
+            method=self.method,
+            samples=self.truth.samples,
+            seconds=round(self.truth.seconds, 2),
+            full=FULL,
+        )
+
+    def picture(self, which: Shown, exposure: float) -> NDArray[np.uint8]:
+        """(h, w, 3) sRGB; the difference is the same at any exposure."""
+        if which == "difference":
+            colours = false_colour(self.frame, self.truth.image, self.kept, FULL)
+            return np.round(255 * colours).astype(np.uint8)
+        return to_srgb8(self.frame if which == "live" else self.truth.image, exposure)
