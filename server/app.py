@@ -13,7 +13,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from engine.errors import RelightError
 from engine.resources import resource
-from server import measured_routes, problems
+from server import accuracy_routes, measured_routes, problems
 from server.origin import LOOPBACK, OwnPageOnly
 from server.precompute import run_in_process
 from server.routes import router
@@ -64,6 +64,7 @@ def create_app(
     problems.install(app)
     app.include_router(router)
     app.include_router(measured_routes.router)
+    app.include_router(accuracy_routes.router)
     app.mount("/", StaticFiles(directory=resource("web"), html=True))
     app.add_middleware(Limits)
     app.add_middleware(OwnPageOnly, names=names)

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.errors import NotFound
+from engine.measure.edges import scene_edges
 from engine.measure.false_colour import false_colour
-from engine.measure.trial import masks_of
 from engine.measure.truth import Truth, known_truth
 from engine.measure.verdict import verdict
 from engine.numerics.display import to_srgb8
@@ -49,7 +49,7 @@ class Compared:
     @cached_property
     def kept(self) -> NDArray[np.bool_]:
         """(h, w): the pixels that count, which are those without edges."""
-        return masks_of(apply(self.scene, self.task.edits), [self.task.edits])[0]
+        return ~scene_edges(apply(self.scene, self.task.edits))
 
     def result(self, exposure: float) -> ReferenceResult:
         """The numbers, at an exposure in stops."""

@@ -1,4 +1,4 @@
-"""Precompute jobs and other long work: one at a time, watched by clients, cancelled within a second.
+"""Precomputes and other long work: one at a time, watched, cancelled within a second.
 
 A job that was started because somebody looked is stopped when the last one looks elsewhere; a job
 that was asked for by name (`watcher=API`) ends only by itself or by `cancel`. What somebody looks

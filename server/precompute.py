@@ -37,7 +37,6 @@ NICENESS = 10
 POLL_SECONDS = 0.1
 
 
-
 class Task(BaseModel):
     """What to make; `source` as `engine.scene.open.open_scene` takes it.
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from engine.errors import EditNotSupported, NotFound
+from engine.measure.front import judged_by, known_front
 from engine.methods import EDITS, METHODS, prepare
 from engine.methods.base import Progress
 from engine.scene.camera import Camera
@@ -15,15 +16,15 @@ from engine.store import Store
 from server import maps, measured
 from server.compared import KEPT as KEPT_COMPARED
 from server.compared import Compared
-from server.details import material_details, scene_detail
+from server.details import chart_of, material_details, scene_detail
 from server.jobs import API, Jobs
 from server.maps import Uploads
 from server.measured import Samples
 from server.precompute import Materials, Task, run_in_process, settings_of
 from server.reader import Reader
 from server.stage import HELD, METHOD, Recent, Stage, Stages
-from server.wire import JobState, MaterialDetail, PrecomputeRequest, SceneDetail
-from server.worker import Drawn, Order, Worker, draw
+from server.wire import Chart, JobState, MaterialDetail, PrecomputeRequest, SceneDetail
+from server.worker import Drawn, Order, Worker, draw, relit
 
 Precompute = Callable[[Task, Progress], None]
 
@@ -109,8 +110,7 @@ class Service:
 
     def start(self, stage: Stage, request: PrecomputeRequest) -> JobState:
         """A precompute that somebody asked for by name."""
-        if request.method not in METHODS:
-            raise NotFound(f"there is no method {request.method!r}; there are {', '.join(METHODS)}")
+        known(request.method)
         others = request.edits.touched() - HELD
         if others:
             raise EditNotSupported(
@@ -151,6 +151,44 @@ class Service:
         """Settings of a method in place of its defaults, where nobody asks for others."""
         return dict(self.settings) if method == METHOD else {}
 
+    def chart(self, stage: Stage, method: str) -> Chart:
+        """What settings of a method cost on a scene; NotFound where it was not measured."""
+        usual, scene = settings_of(known(method), self.usual(method)), stage.scene()
+        found = known_front(scene, method, usual, Store())
+        if found is None:
+            raise NotFound("this was not measured yet; POST to the same address measures it")
+        product = stage.product(scene.camera, method)
+        if product is not None:
+            used = product.settings
+        else:
+            used = settings_of(method, self.task(stage, scene.camera, method).settings)
+        return chart_of(found, stage.name, used)
+
+    def measure(self, stage: Stage, method: str) -> JobState:
+        """A job that fills in the chart. InputError where the scene has nothing to edit by it."""
+        scene, settings = stage.scene(), self.usual(known(method))
+        judged_by(scene, method)
+        task = Task(
+            scene=stage.name, source=stage.source, camera=scene.camera, method=method,
+            settings=settings, work="front",
+        )  # fmt: skip
+        return self.jobs.start(task, API)
+
+    async def compare(self, stage: Stage, order: Order, error: float, seconds: float) -> JobState:
+        """Draw the order, and start a job that has the reference of the same edits."""
+        await asyncio.to_thread(stage.scene)
+        await self.reader.read(stage, order.edits.materials)
+        frame, method = await self.worker.run(lambda: relit(stage, order))
+        scene = stage.scene()
+        task = Task(
+            scene=stage.name, source=stage.source, camera=stage.camera(order.edits),
+            method=order.method, settings=order.settings, work="reference", edits=order.edits,
+            error=error, seconds=seconds,
+        )  # fmt: skip
+        job = self.jobs.start(task, API)
+        self.compared.keep(job.id, Compared(scene, task, frame.image, method))
+        return job
+
     def detail(self, stage: Stage) -> SceneDetail:
         """Everything the page needs to know about a scene; opens it."""
         job = self.jobs.active(self.task(stage, stage.scene().camera))
@@ -161,6 +199,13 @@ class Service:
         """The materials under edits from outside, with files as edits call them."""
         edits = measured.located(edits, stage, self.samples)
         return material_details(stage, edits, method, self.samples.name_of)
+
+
+def known(method: str) -> str:
+    """The method's name; NotFound where there is none of that name."""
+    if method not in METHODS:
+        raise NotFound(f"there is no method {method!r}; there are {', '.join(METHODS)}")
+    return method
 
 
 def with_job(drawn: Drawn, job: JobState | None) -> Drawn:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from engine.images import encode, encode_exr
+from engine.methods.base import Frame
 from engine.numerics.display import to_srgb8
 from engine.scene.edits import Edits
 from server.problems import Busy
@@ -70,6 +71,12 @@ def view_of(stage: Stage, order: Order) -> View:
     """What draws the order; in the render thread alone."""
     edits, camera = order.edits, stage.camera(order.edits)
     return stage.view(camera, order.scale, order.method, edits.materials, order.settings)
+
+
+def relit(stage: Stage, order: Order) -> tuple[Frame, str]:
+    """The frame of an order, linear, and what drew it; in the render thread alone."""
+    view = view_of(stage, order)
+    return view.relight(order.edits), view.method
 
 
 def draw(stage: Stage, order: Order) -> Drawn:

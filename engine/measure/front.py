@@ -26,7 +26,7 @@ from engine.store import Store
 
 VERSION = 1  # part of every key: raise it when pilots tell something else
 NOISE = 0.03  # relative L2 error of the references, which is taken out again
-LONGEST = 60.0  # seconds of a precompute of the whole picture, after which nothing dearer is tried
+LONGEST = 120.0  # seconds of a precompute of the whole picture, after which nothing dearer is tried
 USUAL = "usual settings"
 _WHOLE = "front"  # the file of all points, beside one of each while they are measured
 
@@ -139,9 +139,7 @@ class _Bench:
         if kept is not None:
             return FrontPoint(label, asdict(settings), Cost(**kept.meta))
         if self._pilots is None:
-            self._pilots = Pilots(
-                self._scene, self._kinds, NOISE, self._scratch, self._report
-            )
+            self._pilots = Pilots(self._scene, self._kinds, NOISE, self._scratch, self._report)
         self._number = number
         small = self._pilots.run(self._method, settings)
         cost = self._pilots.whole(self._method, settings, small)
