@@ -25,7 +25,7 @@ router = APIRouter(responses=PROBLEMS)
 
 @router.get("/api/scenes/{scene}/chart")
 async def chart(request: Request, scene: str, method: Annotated[str, Query()] = METHOD) -> Chart:
-    """What a method's settings cost on a scene: error, frame time, bytes, precompute."""
+    """What a method's settings cost on a scene; no points until POST had them measured."""
     service = service_of(request)
     return await asyncio.to_thread(service.chart, service.stages.get(scene), method)
 

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from engine.errors import EditNotSupported, NotFound
+from engine.errors import EditNotSupported, InputError, NotFound
 from engine.measure.front import judged_by, known_front
 from engine.methods import EDITS, METHODS, prepare
 from engine.methods.base import Progress
@@ -152,11 +152,16 @@ class Service:
         return dict(self.settings) if method == METHOD else {}
 
     def chart(self, stage: Stage, method: str) -> Chart:
-        """What settings of a method cost on a scene; NotFound where it was not measured."""
+        """What settings of a method cost on a scene, where it was measured."""
         usual, scene = settings_of(known(method), self.usual(method)), stage.scene()
         found = known_front(scene, method, usual, Store())
         if found is None:
-            raise NotFound("this was not measured yet; POST to the same address measures it")
+            try:
+                kinds = list(judged_by(scene, method))
+            except InputError:
+                kinds = []
+            job = self.jobs.active(self._measuring(stage, method))
+            return Chart(scene=stage.name, method=method, kinds=kinds, points=[], job=job)
         product = stage.product(scene.camera, method)
         if product is not None:
             used = product.settings
@@ -166,13 +171,18 @@ class Service:
 
     def measure(self, stage: Stage, method: str) -> JobState:
         """A job that fills in the chart. InputError where the scene has nothing to edit by it."""
-        scene, settings = stage.scene(), self.usual(known(method))
-        judged_by(scene, method)
-        task = Task(
-            scene=stage.name, source=stage.source, camera=scene.camera, method=method,
-            settings=settings, work="front",
-        )  # fmt: skip
-        return self.jobs.start(task, API)
+        judged_by(stage.scene(), known(method))
+        return self.jobs.start(self._measuring(stage, method), API)
+
+    def _measuring(self, stage: Stage, method: str) -> Task:
+        return Task(
+            scene=stage.name,
+            source=stage.source,
+            camera=stage.scene().camera,
+            method=method,
+            settings=self.usual(method),
+            work="front",
+        )
 
     async def compare(self, stage: Stage, order: Order, error: float, seconds: float) -> JobState:
         """Draw the order, and start a job that has the reference of the same edits."""
@@ -181,10 +191,16 @@ class Service:
         frame, method = await self.worker.run(lambda: relit(stage, order))
         scene = stage.scene()
         task = Task(
-            scene=stage.name, source=stage.source, camera=stage.camera(order.edits),
-            method=order.method, settings=order.settings, work="reference", edits=order.edits,
-            error=error, seconds=seconds,
-        )  # fmt: skip
+            scene=stage.name,
+            source=stage.source,
+            camera=stage.camera(order.edits),
+            method=order.method,
+            settings=order.settings,
+            work="reference",
+            edits=order.edits,
+            error=error,
+            seconds=seconds,
+        )
         job = self.jobs.start(task, API)
         self.compared.keep(job.id, Compared(scene, task, frame.image, method))
         return job

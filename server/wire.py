@@ -238,15 +238,18 @@ class ChartPoint(Wire):
 class Chart(Wire):
     """Speed against accuracy of a method on a scene.
 
-    kinds    which edits it was judged by
+    kinds    which edits it is judged by; none where the scene has nothing that it edits
+    points   none while it was not measured
     current  which point has the settings that frames have, or would have; None where none has
+    job      that measures it
     """
 
     scene: str
     method: str
     kinds: list[str]
     points: list[ChartPoint]
-    current: int | None
+    current: int | None = None
+    job: JobState | None = None
 
 
 class ReferenceResult(Wire):

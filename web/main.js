@@ -3,6 +3,7 @@
 import { Compare } from "./compare.js";
 import { Detail } from "./detail.js";
 import { EnvironmentPanel } from "./environment.js";
+import { Front } from "./front.js";
 import { Handles } from "./handles.js";
 import { History } from "./history.js";
 import { Live } from "./live.js";
@@ -11,6 +12,7 @@ import { Materials, post } from "./materials.js";
 import { Orbit } from "./orbit.js";
 import { Panel } from "./panel.js";
 import { Picking } from "./picking.js";
+import { Reference } from "./reference.js";
 import { Requests } from "./requests.js";
 import { State } from "./state.js";
 import { Status, told } from "./status.js";
@@ -72,6 +74,10 @@ const picking = new Picking(state, find("picture"), (x, y) => editor.pick(x, y))
 const compare = new Compare(
   state, { button: find("compare"), canvas, before: find("before") }, ownPicture,
 );
+const front = new Front(state, find, {
+  call, budget: (error) => status.setBudget(error), used: () => requests.changed(false),
+});
+const reference = new Reference(state, find, { call });
 new History(state, { undo: find("undo"), redo: find("redo") });
 const orbit = new Orbit(state, find("picture"), find("camera-mode"));
 
@@ -84,12 +90,14 @@ state.listen((what, moving) => {
     materials.leave();
     editor.open();
     picking.draw();
+    front.open();
     drawMethods();
   }
   if (["scene", "method", "materials"].includes(what)) materials.refresh();
   if (["materialEdits", "restored"].includes(what) && !moving) editor.refit();
   find("camera-reset").disabled = !state.cameraMoved;
   if (what === "exposure") drawExposure();
+  reference.changed(what, moving);
   if (what === "selected") return;
   canvas.dataset.state = "changing";
   requests.changed(moving, what === "camera" && !state.takes("camera"));
@@ -171,6 +179,7 @@ function showFrame(bitmap, header, roundTrip, cause) {
   if (final) compare.keep();
   find("waiting").hidden = true;
   requests.took(header);
+  front.took(header);
   status.frame(header, roundTrip);
   if (cause === null) return;
   // From the event that caused the frame to the moment the browser presents it.

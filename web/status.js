@@ -1,6 +1,6 @@
 // What the person should know: method, time, size, error, warnings, progress, problems.
 
-const NAMES = {
+export const NAMES = {
   direct: "Direct light only",
   direct_to_indirect: "Direct-to-indirect transfer",
   glossy_prt: "Glossy transfer",
@@ -29,6 +29,8 @@ const NUMBERED = { direct: "direct light", bounce: "bounces" };
 export class Status {
   #job = null;
   #asked = null;
+  #budget = 0;
+  #warnings = [];
 
   // action(job) is called by the button beside the progress bar.
   constructor(find, action) {
@@ -54,12 +56,21 @@ export class Status {
     find("status-size").textContent = `${header.width} × ${header.height} ${kind}`;
     find("status-error").textContent =
       header.error === null ? "" : `error about ${(100 * header.error).toFixed(1)} %`;
-    this.#notes(header.warnings.map((w) => w.message));
+    this.#warnings = header.warnings;
+    this.#notes();
     if (!header.job && !this.#asked) this.job(null);
     find("problem").hidden = true;
   }
 
-  #notes(messages) {
+  // Errors below it are not worth a word.
+  setBudget(error) {
+    this.#budget = error;
+    this.#notes();
+  }
+
+  #notes() {
+    const worth = this.#warnings.filter(({ size }) => size === 0 || size >= this.#budget);
+    const messages = worth.map(({ message }) => message);
     const list = this.find("status-warnings");
     messages.forEach((message, i) => {
       const item = list.children[i] ?? list.appendChild(document.createElement("li"));
@@ -117,7 +128,7 @@ function phase(name) {
   return `${NUMBERED[kind]} on material ${1 + Number(numbers.at(-1))}`;
 }
 
-function duration(seconds) {
+export function duration(seconds) {
   if (seconds < 90) return `about ${Math.max(1, Math.round(seconds))} s`;
   return `about ${Math.round(seconds / 60)} min`;
 }

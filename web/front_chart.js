@@ -1,0 +1,123 @@
+// The chart of a method's settings: error over the time of a frame, both logarithmic, as SVG.
+
+const SVG = "http://www.w3.org/2000/svg";
+const [WIDE, HIGH] = [192, 150];
+const [LEFT, RIGHT, TOP, BOTTOM] = [36, 186, 8, 122];
+const ROOM = 1.6; // around the points, as a factor
+const LEAST = 1e-4; // an error of 0 has no logarithm
+const NUMBERS = [1, 2, 5];
+
+function node(tag, attributes, ...children) {
+  const made = document.createElementNS(SVG, tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  made.append(...children);
+  return made;
+}
+
+const errorOf = (error) => 100 * Math.max(error, LEAST);
+export const percent = (error) => `${Number((100 * error).toPrecision(2))} %`;
+export const milliseconds = (seconds) => `${Number((1000 * seconds).toPrecision(2))} ms`;
+
+// The axes reach as far as the points do; what lies beyond them stands at the edge.
+export class FrontChart {
+  #scales = null;
+  #live = null;
+
+  // words(point) is what a point says of itself; seen(k) hears which is looked at, null for none.
+  constructor(box, { words, seen }) {
+    Object.assign(this, { box, words, seen });
+  }
+
+  // Points {error, frame_seconds, best, ...}, the budget as an error, which point is chosen by it.
+  draw(points, budget, chosen) {
+    const x = scale(points.map((point) => 1000 * point.frame_seconds), LEFT, RIGHT);
+    const y = scale(points.map((point) => errorOf(point.error)), BOTTOM, TOP);
+    this.#scales = { x, y };
+    const svg = node("svg", { viewBox: `0 0 ${WIDE} ${HIGH}`, role: "group" });
+    svg.setAttribute("aria-label", "Error over the time of a frame, a point for every setting");
+    svg.append(
+      axes(x, y),
+      node("path", { class: "budget", d: `M${LEFT} ${y.of(errorOf(budget))}H${RIGHT}` }),
+      this.#stair(points),
+      ...points.map((point, k) => this.#dot(point, k, k === chosen)),
+    );
+    this.#live = node("path", { class: "live" });
+    this.#live.append(node("title", {}, "The picture as it is now"));
+    svg.append(this.#live);
+    this.box.replaceChildren(svg);
+  }
+
+  // What the picture took last; where no error is known it stands on the upper edge.
+  live(seconds, error) {
+    if (!this.#live || seconds === null) return;
+    const { x, y } = this.#scales;
+    const top = error === null ? TOP : y.of(errorOf(error));
+    this.#live.setAttribute("d", `M${x.of(1000 * seconds)} ${top - 6}l6 6l-6 6l-6 -6z`);
+  }
+
+  // The front: below it and to its left nothing comes.
+  #stair(points) {
+    const { x, y } = this.#scales;
+    const [first, ...rest] = points
+      .filter(({ best }) => best)
+      .map(({ frame_seconds: time, error }) => [x.of(1000 * time), y.of(errorOf(error))])
+      .sort((a, b) => a[0] - b[0]);
+    const steps = rest.map(([px, py]) => `H${px}V${py}`).join("");
+    return node("path", { class: "stair", d: `M${first[0]} ${TOP}V${first[1]}${steps}H${RIGHT}` });
+  }
+
+  #dot(point, k, chosen) {
+    const dot = node("circle", {
+      cx: this.#scales.x.of(1000 * point.frame_seconds),
+      cy: this.#scales.y.of(errorOf(point.error)),
+      r: chosen ? 5 : 3.5,
+      class: ["point", point.best && "best", chosen && "chosen"].filter(Boolean).join(" "),
+      tabindex: 0,
+      role: "img",
+      "aria-label": this.words(point),
+    });
+    for (const event of ["pointerenter", "focus"]) dot.addEventListener(event, () => this.seen(k));
+    for (const event of ["pointerleave", "blur"]) dot.addEventListener(event, () => this.seen(null));
+    return dot;
+  }
+}
+
+// Lines, and numbers at 1, 2 and 5 times powers of ten as far as there is room for them.
+function axes(x, y) {
+  const made = node("g", { class: "axes", "aria-hidden": "true" });
+  const title = text("error, %", 0, 0, "middle");
+  title.setAttribute("transform", `translate(9 ${(TOP + BOTTOM) / 2}) rotate(-90)`);
+  made.append(
+    node("path", { d: `M${LEFT} ${TOP}V${BOTTOM}H${RIGHT}` }),
+    ...x.ticks(24).map(([number, place]) => text(number, place, BOTTOM + 11, "middle")),
+    ...y.ticks(12).map(([number, place]) => text(number, LEFT - 4, place + 3, "end")),
+    text("ms a frame", (LEFT + RIGHT) / 2, HIGH - 3, "middle"),
+    title,
+  );
+  return made;
+}
+
+function text(content, x, y, anchor) {
+  return node("text", { x, y, "text-anchor": anchor }, String(content));
+}
+
+// From values to places, and the numbers that an axis shows at least `apart` from each other.
+function scale(values, from, to) {
+  const [low, high] = [Math.log(Math.min(...values) / ROOM), Math.log(Math.max(...values) * ROOM)];
+  const part = (value) => (Math.log(value) - low) / (high - low);
+  const of = (value) => from + Math.min(1, Math.max(0, part(value))) * (to - from);
+  const ticks = (apart) => {
+    const found = [];
+    for (let power = -6; power <= 6; power += 1) {
+      for (const digit of NUMBERS) {
+        const value = Number((digit * 10 ** power).toPrecision(1));
+        const inside = Math.log(value) >= low && Math.log(value) <= high;
+        if (inside && found.every(([, place]) => Math.abs(place - of(value)) >= apart)) {
+          found.push([value, of(value)]);
+        }
+      }
+    }
+    return found;
+  };
+  return { of, ticks };
+}
