@@ -100,8 +100,7 @@ export class Reference {
     else if (problem) {
       this.#words = problem.detail;
       this.#tell();
-    }
-    else this.leave();
+    } else this.leave();
   }
 
   async #show() {
