@@ -1,7 +1,7 @@
 // What more or less error would cost: the chart of the method's settings, an error budget, and the
 // cheapest settings that hold it.
 
-import { FrontChart, milliseconds, percent } from "./front_chart.js";
+import { FrontChart, percent, unit } from "./front_chart.js";
 import { JobRow } from "./job.js";
 import { post } from "./materials.js";
 
@@ -24,7 +24,7 @@ export class Front {
       measure: find("front-measure"), budget: find("budget"), budgetValue: find("budget-value"),
       budgetTold: find("budget-told"), use: find("budget-use"),
     });
-    this.drawing = new FrontChart(this.chart, { words, seen: (k) => this.#tell(k) });
+    this.drawing = new FrontChart(this.chart, words);
     this.measuring = new JobRow(find("front-measuring"), call, ({ phase }) =>
       phase === "settings" ? "Trying settings:" : "Rendering references:");
     this.using = new JobRow(find("budget-using"), call, () => "Computing:");
@@ -124,11 +124,11 @@ export class Front {
     const able = Boolean(this.#chart?.kinds.length);
     this.chart.hidden = use.hidden = budgetTold.hidden = !measured;
     this.measure.hidden = measured || !able || this.measuring.active;
-    this.#tell(null);
+    this.#tell();
     if (!measured) return;
     const chosen = this.#chosen;
     const k = points.indexOf(chosen);
-    this.drawing.draw(points, budget, k);
+    this.drawing.draw(points, budget, k, this.#live);
     this.#showLive();
     const holds = chosen.error <= budget;
     budgetTold.textContent = `${holds ? "" : `Nothing holds ${percent(budget)}. The best is `}${cost(chosen)}`;
@@ -138,34 +138,31 @@ export class Front {
 
   #showLive() {
     const current = this.#chart?.points[this.#chart.current];
-    this.drawing.live(this.#live, current?.error ?? null);
+    if (this.#live !== null) this.drawing.live(this.#live, current?.error ?? null);
   }
 
-  // What one point is, or else what the chart shows.
-  #tell(k) {
+  // What the chart shows, or why there is none.
+  #tell() {
     const { told } = this;
     const chart = this.#chart;
-    if (k !== null) told.textContent = words(chart.points[k]);
-    else if (!chart) told.textContent = "";
+    if (!chart) told.textContent = "";
     else if (!chart.kinds.length) told.textContent = "Nothing in this scene is for this method to edit.";
     else if (chart.points.length) {
-      told.textContent = `Judged by ${chart.kinds.map((kind) => KINDS[kind]).join(", ")}. The diamond is the picture as it is now.`;
+      told.textContent = `Judged by ${chart.kinds.map((kind) => KINDS[kind]).join(", ")}. Diamond: the picture as it is now.`;
     } else {
       told.textContent = "What would less error cost here, or more gain? To try it takes a minute or so.";
     }
   }
 }
 
-const megabytes = (bytes) => `${Number((bytes / 1e6).toPrecision(2))} MB`;
-const seconds = (time) => `${time < 1 ? "under 1" : Math.round(time)} s`;
-
 function cost({ error, frame_seconds: frame, bytes, precompute_seconds: precompute }) {
-  return `${percent(error)}, ${milliseconds(frame)}, ${megabytes(bytes)}, ${seconds(precompute)} of precompute`;
+  const known = [percent(error), unit(1000 * frame, "ms"), unit(bytes / 1e6, "MB"), unit(precompute, "s")];
+  return `${known.join(", ")} of precompute`;
 }
 
 function words(point) {
   const settings = Object.entries(point.settings)
     .filter(([, value]) => ["number", "string"].includes(typeof value))
     .map(([name, value]) => `${name.replaceAll("_", " ")} ${value}`);
-  return `${point.label}: ${cost(point)}; ${settings.join(", ")}`;
+  return [point.label, cost(point), settings.join(", ")];
 }

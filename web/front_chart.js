@@ -15,22 +15,28 @@ function node(tag, attributes, ...children) {
 }
 
 const errorOf = (error) => 100 * Math.max(error, LEAST);
-export const percent = (error) => `${Number((100 * error).toPrecision(2))} %`;
-export const milliseconds = (seconds) => `${Number((1000 * seconds).toPrecision(2))} ms`;
+// A number with its unit, which stay on one line.
+export const unit = (value, name) => `${Number(value.toPrecision(2))}\u00a0${name}`;
+export const percent = (error) => unit(100 * error, "%");
 
 // The axes reach as far as the points do; what lies beyond them stands at the edge.
 export class FrontChart {
   #scales = null;
   #live = null;
 
-  // words(point) is what a point says of itself; seen(k) hears which is looked at, null for none.
-  constructor(box, { words, seen }) {
-    Object.assign(this, { box, words, seen });
+  // words(point) is what a point says of itself, in lines.
+  constructor(box, words) {
+    Object.assign(this, { box, words });
+    // It lies over what is below the chart, so that nothing moves away from under the hand.
+    this.tip = Object.assign(document.createElement("p"), { className: "tip", hidden: true });
   }
 
-  // Points {error, frame_seconds, best, ...}, the budget as an error, which point is chosen by it.
-  draw(points, budget, chosen) {
-    const x = scale(points.map((point) => 1000 * point.frame_seconds), LEFT, RIGHT);
+  // Points {error, frame_seconds, best, ...}, the budget as an error, which point is chosen by it,
+  // seconds that the picture took last or null.
+  draw(points, budget, chosen, seconds) {
+    const times = points.map((point) => point.frame_seconds);
+    if (seconds !== null) times.push(seconds);
+    const x = scale(times.map((time) => 1000 * time), LEFT, RIGHT);
     const y = scale(points.map((point) => errorOf(point.error)), BOTTOM, TOP);
     this.#scales = { x, y };
     const svg = node("svg", { viewBox: `0 0 ${WIDE} ${HIGH}`, role: "group" });
@@ -39,17 +45,18 @@ export class FrontChart {
       axes(x, y),
       node("path", { class: "budget", d: `M${LEFT} ${y.of(errorOf(budget))}H${RIGHT}` }),
       this.#stair(points),
-      ...points.map((point, k) => this.#dot(point, k, k === chosen)),
+      ...points.map((point, k) => this.#dot(point, k === chosen)),
     );
     this.#live = node("path", { class: "live" });
     this.#live.append(node("title", {}, "The picture as it is now"));
     svg.append(this.#live);
-    this.box.replaceChildren(svg);
+    this.tip.hidden = true;
+    this.box.replaceChildren(svg, this.tip);
   }
 
   // What the picture took last; where no error is known it stands on the upper edge.
   live(seconds, error) {
-    if (!this.#live || seconds === null) return;
+    if (!this.#live) return;
     const { x, y } = this.#scales;
     const top = error === null ? TOP : y.of(errorOf(error));
     this.#live.setAttribute("d", `M${x.of(1000 * seconds)} ${top - 6}l6 6l-6 6l-6 -6z`);
@@ -66,7 +73,7 @@ export class FrontChart {
     return node("path", { class: "stair", d: `M${first[0]} ${TOP}V${first[1]}${steps}H${RIGHT}` });
   }
 
-  #dot(point, k, chosen) {
+  #dot(point, chosen) {
     const dot = node("circle", {
       cx: this.#scales.x.of(1000 * point.frame_seconds),
       cy: this.#scales.y.of(errorOf(point.error)),
@@ -74,10 +81,14 @@ export class FrontChart {
       class: ["point", point.best && "best", chosen && "chosen"].filter(Boolean).join(" "),
       tabindex: 0,
       role: "img",
-      "aria-label": this.words(point),
+      "aria-label": this.words(point).join(": "),
     });
-    for (const event of ["pointerenter", "focus"]) dot.addEventListener(event, () => this.seen(k));
-    for (const event of ["pointerleave", "blur"]) dot.addEventListener(event, () => this.seen(null));
+    const tell = (seen) => {
+      this.tip.hidden = !seen;
+      this.tip.textContent = this.words(point).join("\n");
+    };
+    for (const event of ["pointerenter", "focus"]) dot.addEventListener(event, () => tell(true));
+    for (const event of ["pointerleave", "blur"]) dot.addEventListener(event, () => tell(false));
     return dot;
   }
 }
