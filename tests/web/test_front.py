@@ -103,7 +103,7 @@ def test_the_budget_picks_settings_and_frames_take_them(
         assert said(told) == "0.45 %, 20 ms, 2 MB, 20 s of precompute"
         slide(page, 1.0)
         assert said(page.locator("#budget-value")) == "50 %"
-        assert said(told) == "7.5 %, 1.2 ms, 0.12 MB, 1 s of precompute"
+        assert said(told) == "7.5 %, 1.2 ms, 0.12 MB, 1.2 s of precompute"
         before = pixels(page)
         use.click()
         page.wait_for_function(
