@@ -217,13 +217,9 @@ class JobState(Wire):
 
 
 class ChartPoint(Wire):
-    """Settings of a method and what they cost for the whole picture.
+    """What settings cost for the whole picture, see `engine.measure.pilots.Cost`.
 
-    error               relative L2, edges left out
-    frame_seconds       from edit to linear frame
-    bytes               transport
-    precompute_seconds  from nothing
-    best                whether no other point has both less error and quicker frames
+    best  whether no other point has both less error and quicker frames
     """
 
     label: str
@@ -255,14 +251,10 @@ class Chart(Wire):
 class ReferenceResult(Wire):
     """How far a frame was off; the pictures lie beside it, see `Shown`.
 
-    method   that drew the frame
-    error    relative L2, edges left out, the reference's noise taken out
-    least    the smallest error that this noise lets one see
-    psnr     decibels, as shown; None where the pictures are equal
-    noise    relative L2 error of the reference itself
-    samples  of it, per pixel
-    seconds  that it took
-    full     where the difference is darkest: parts of the mean radiance
+    method            that drew the frame
+    error, ..., psnr  see `engine.measure.verdict.Verdict`
+    samples, seconds  that the reference took, per pixel and in all
+    full              where the difference is darkest: parts of the mean radiance
     """
 
     method: str

@@ -57,6 +57,9 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "playwright": (),
 }
 
+# Packages of the extras `chart` and `peers`.
+EXTRAS = {"flip_evaluator", "matplotlib", "mitsuba", "mitsuba_oidn", "skimage"}
+
 # Imports that go against the order when a command is run, never when a module is loaded.
 LATE = {("engine.cli", "server")}
 
@@ -129,6 +132,24 @@ def test_late_imports_are_late() -> None:
             [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)], []
         )
         assert not any(name.split(".")[0] == target for name in imports(top))
+
+
+def test_the_service_needs_no_extra() -> None:
+    """`make serve` installs none: all that the service loads when it starts loads without."""
+    files = {module_of(path): path for path in sources()}
+    todo, loaded, extras = [name for name in files if room_of(name) == "server"], set[str](), set()
+    while todo:
+        name = todo.pop()
+        if name in loaded:
+            continue
+        loaded.add(name)
+        body = ast.parse(files[name].read_text()).body
+        top = ast.Module([n for n in body if isinstance(n, ast.Import | ast.ImportFrom)], [])
+        for imported in imports(top):
+            extras |= {imported.split(".")[0]} & EXTRAS
+            todo += {imported, imported.rpartition(".")[0]} & files.keys()
+    assert "engine.measure.metrics" in loaded
+    assert extras == set()
 
 
 @pytest.mark.parametrize("path", sources(), ids=module_of)

@@ -75,7 +75,12 @@ const compare = new Compare(
   state, { button: find("compare"), canvas, before: find("before") }, ownPicture,
 );
 const front = new Front(state, find, {
-  call, budget: (error) => status.setBudget(error), used: () => requests.changed(false),
+  call,
+  budget: (error) => status.setBudget(error),
+  used: () => {
+    canvas.dataset.state = "changing";
+    requests.changed(false);
+  },
 });
 const reference = new Reference(state, find, { call });
 new History(state, { undo: find("undo"), redo: find("redo") });
