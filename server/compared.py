@@ -6,7 +6,7 @@ it in the store; once it is there the two are compared.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -53,10 +53,9 @@ class Compared:
 
     def result(self, exposure: float) -> ReferenceResult:
         """The numbers, at an exposure in stops."""
-        found = verdict(self.frame, self.truth, self.kept, exposure)
         return ReferenceResult(
-            **asdict(found),
             method=self.method,
+            verdict=verdict(self.frame, self.truth, self.kept, exposure),
             samples=self.truth.samples,
             seconds=round(self.truth.seconds, 2),
             full=FULL,

@@ -23,15 +23,12 @@ from engine.light.maps import BUILT_IN
 from engine.light.sky import Sky
 from engine.light.table import LIGHTS
 from engine.light.thumbnail import thumbnail
-from engine.measure.front import Front
 from engine.methods import METHODS
 from engine.methods.base import MaterialFit, Method
 from engine.scene.edits import Edits, edited_environment
 from engine.scene.pick import material_at
 from server.stage import Stage
 from server.wire import (
-    Chart,
-    ChartPoint,
     EnvironmentDetail,
     JobState,
     MapSummary,
@@ -162,30 +159,6 @@ def _described(material: Material, name_of: Callable[[str], str]) -> dict[str, A
     if isinstance(material, Measured):
         described["file"] = name_of(material.file)
     return described
-
-
-def chart_of(front: Front, scene: str, used: Any) -> Chart:
-    """A front as it crosses the wire, with the settings that are in use."""
-    points = [
-        ChartPoint(
-            label=point.label,
-            settings=point.settings,
-            error=point.cost.error,
-            frame_seconds=point.cost.frame,
-            bytes=point.cost.bytes,
-            precompute_seconds=point.cost.precompute,
-            best=point.best,
-        )
-        for point in front.points
-    ]
-    same = [k for k, point in enumerate(points) if point.settings == asdict(used)]
-    return Chart(
-        scene=scene,
-        method=front.method,
-        kinds=list(front.kinds),
-        points=points,
-        current=same[0] if same else None,
-    )
 
 
 def picked(stage: Stage, edits: Edits, x: float, y: float) -> Picked:

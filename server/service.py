@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from typing import Any
 
 from engine.errors import EditNotSupported, InputError, NotFound
@@ -16,7 +17,7 @@ from engine.store import Store
 from server import maps, measured
 from server.compared import KEPT as KEPT_COMPARED
 from server.compared import Compared
-from server.details import chart_of, material_details, scene_detail
+from server.details import material_details, scene_detail
 from server.jobs import API, Jobs
 from server.maps import Uploads
 from server.measured import Samples
@@ -167,7 +168,14 @@ class Service:
             used = product.settings
         else:
             used = settings_of(method, self.task(stage, scene.camera, method).settings)
-        return chart_of(found, stage.name, used)
+        same = [k for k, p in enumerate(found.points) if p.settings == asdict(used)]
+        return Chart(
+            scene=stage.name,
+            method=method,
+            kinds=list(found.kinds),
+            points=list(found.points),
+            current=same[0] if same else None,
+        )
 
     def measure(self, stage: Stage, method: str) -> JobState:
         """A job that fills in the chart. InputError where the scene has nothing to edit by it."""

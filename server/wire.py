@@ -13,6 +13,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from engine.diagnosis import Diagnosis
+from engine.measure.front import FrontPoint
+from engine.measure.verdict import Verdict
 from engine.scene.camera import Camera
 from engine.scene.edits import Edits
 
@@ -216,21 +218,6 @@ class JobState(Wire):
     problem: Problem | None = None
 
 
-class ChartPoint(Wire):
-    """What settings cost for the whole picture, see `engine.measure.pilots.Cost`.
-
-    best  whether no other point has both less error and quicker frames
-    """
-
-    label: str
-    settings: dict[str, Any]
-    error: float
-    frame_seconds: float
-    bytes: float
-    precompute_seconds: float
-    best: bool
-
-
 class Chart(Wire):
     """Speed against accuracy of a method on a scene.
 
@@ -243,7 +230,7 @@ class Chart(Wire):
     scene: str
     method: str
     kinds: list[str]
-    points: list[ChartPoint]
+    points: list[FrontPoint]
     current: int | None = None
     job: JobState | None = None
 
@@ -252,16 +239,12 @@ class ReferenceResult(Wire):
     """How far a frame was off; the pictures lie beside it, see `Shown`.
 
     method            that drew the frame
-    error, ..., psnr  see `engine.measure.verdict.Verdict`
     samples, seconds  that the reference took, per pixel and in all
     full              where the difference is darkest: parts of the mean radiance
     """
 
     method: str
-    error: float
-    least: float
-    psnr: float | None
-    noise: float
+    verdict: Verdict
     samples: int
     seconds: float
     full: float

@@ -91,9 +91,9 @@ export class Front {
   // The cheapest point that holds the budget, or the most exact one.
   get #chosen() {
     const { points } = this.#chart;
-    const holding = points.filter(({ error }) => error <= this.#budget);
-    const least = (among, name) => among.reduce((a, b) => (b[name] < a[name] ? b : a));
-    return holding.length ? least(holding, "frame_seconds") : least(points, "error");
+    const holding = points.filter(({ cost }) => cost.error <= this.#budget);
+    const least = (among, name) => among.reduce((a, b) => (b.cost[name] < a.cost[name] ? b : a));
+    return holding.length ? least(holding, "frame") : least(points, "error");
   }
 
   async #use() {
@@ -130,15 +130,15 @@ export class Front {
     const k = points.indexOf(chosen);
     this.drawing.draw(points, budget, k, this.#live);
     this.#showLive();
-    const holds = chosen.error <= budget;
-    budgetTold.textContent = `${holds ? "" : `Nothing holds ${percent(budget)}. The best is `}${cost(chosen)}`;
+    const holds = chosen.cost.error <= budget;
+    budgetTold.textContent = `${holds ? "" : `Nothing holds ${percent(budget)}. The best is `}${told(chosen)}`;
     use.textContent = k === this.#chart.current ? "In use" : "Use it";
     use.disabled = k === this.#chart.current || this.using.active;
   }
 
   #showLive() {
     const current = this.#chart?.points[this.#chart.current];
-    if (this.#live !== null) this.drawing.live(this.#live, current?.error ?? null);
+    if (this.#live !== null) this.drawing.live(this.#live, current?.cost.error ?? null);
   }
 
   // What the chart shows, or why there is none.
@@ -155,7 +155,7 @@ export class Front {
   }
 }
 
-function cost({ error, frame_seconds: frame, bytes, precompute_seconds: precompute }) {
+function told({ cost: { error, frame, bytes, precompute } }) {
   const known = [percent(error), unit(1000 * frame, "ms"), unit(bytes / 1e6, "MB"), unit(precompute, "s")];
   return `${known.join(", ")} of precompute`;
 }
@@ -164,5 +164,5 @@ function words(point) {
   const settings = Object.entries(point.settings)
     .filter(([, value]) => ["number", "string"].includes(typeof value))
     .map(([name, value]) => `${name.replaceAll("_", " ")} ${value}`);
-  return [point.label, cost(point), settings.join(", ")];
+  return [point.label, told(point), settings.join(", ")];
 }

@@ -31,13 +31,13 @@ export class FrontChart {
     this.tip = Object.assign(document.createElement("p"), { className: "tip", hidden: true });
   }
 
-  // Points {error, frame_seconds, best, ...}, the budget as an error, which point is chosen by it,
+  // Points {cost: {error, frame}, best, ...}, the budget as an error, which point is chosen by it,
   // seconds that the picture took last or null.
   draw(points, budget, chosen, seconds) {
-    const times = points.map((point) => point.frame_seconds);
+    const times = points.map(({ cost }) => cost.frame);
     if (seconds !== null) times.push(seconds);
     const x = scale(times.map((time) => 1000 * time), LEFT, RIGHT);
-    const y = scale(points.map((point) => errorOf(point.error)), BOTTOM, TOP);
+    const y = scale(points.map(({ cost }) => errorOf(cost.error)), BOTTOM, TOP);
     this.#scales = { x, y };
     const svg = node("svg", { viewBox: `0 0 ${WIDE} ${HIGH}`, role: "group" });
     svg.setAttribute("aria-label", "Error over the time of a frame, a point for every setting");
@@ -67,7 +67,7 @@ export class FrontChart {
     const { x, y } = this.#scales;
     const [first, ...rest] = points
       .filter(({ best }) => best)
-      .map(({ frame_seconds: time, error }) => [x.of(1000 * time), y.of(errorOf(error))])
+      .map(({ cost }) => [x.of(1000 * cost.frame), y.of(errorOf(cost.error))])
       .sort((a, b) => a[0] - b[0]);
     const steps = rest.map(([px, py]) => `H${px}V${py}`).join("");
     return node("path", { class: "stair", d: `M${first[0]} ${TOP}V${first[1]}${steps}H${RIGHT}` });
@@ -75,8 +75,8 @@ export class FrontChart {
 
   #dot(point, chosen) {
     const dot = node("circle", {
-      cx: this.#scales.x.of(1000 * point.frame_seconds),
-      cy: this.#scales.y.of(errorOf(point.error)),
+      cx: this.#scales.x.of(1000 * point.cost.frame),
+      cy: this.#scales.y.of(errorOf(point.cost.error)),
       r: chosen ? 5 : 3.5,
       class: ["point", point.best && "best", chosen && "chosen"].filter(Boolean).join(" "),
       tabindex: 0,

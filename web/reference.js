@@ -1,6 +1,6 @@
 // What the reference shows of the same edits: rendered beside, then compared with the picture.
 
-import { percent } from "./front_chart.js";
+import { percent, unit } from "./front_chart.js";
 import { JobRow } from "./job.js";
 import { post } from "./materials.js";
 import { NAMES } from "./status.js";
@@ -109,7 +109,7 @@ export class Reference {
     const query = new URLSearchParams({ exposure: this.state.exposure });
     const result = await this.call(`${at}?${query}`);
     if (job !== this.#job) return;
-    this.#words = verdict(result);
+    this.#words = words(result);
     this.#tell();
     for (const figure of this.figures) {
       const image = figure.querySelector("img");
@@ -129,9 +129,10 @@ export class Reference {
   }
 }
 
-function verdict({ method, error, least, psnr, noise, samples, seconds }) {
+function words({ method, verdict: { error, least, psnr, noise }, samples, seconds }) {
+  if (error === null || noise === null) return "The reference is black: there is nothing to compare with.";
   const off = error > least ? percent(error) : `under ${percent(least)}`;
-  const alike = psnr === null ? "no difference on the screen" : `${Math.round(psnr)} dB`;
+  const alike = psnr === null ? "no difference on the screen" : unit(psnr, "dB");
   return (
     `${NAMES[method] ?? method}: ${off} off (relative L2, edges left out), ${alike}; ` +
     `the reference's own noise is ${percent(noise)} (${samples} samples a pixel, ${Math.round(seconds)} s).`

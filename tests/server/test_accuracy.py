@@ -102,7 +102,10 @@ def test_a_chart_is_measured_when_asked_for_and_follows_the_settings(
     assert ended(at, at.post(CHART).json())["status"] == "done"
     chart = at.get(CHART).json()
     first, *steps = chart["points"]
-    assert (first["settings"]["coefficients"], first["error"]) == (30, pytest.approx(1 / 30))
+    assert (first["settings"]["coefficients"], first["cost"]["error"]) == (
+        30,
+        pytest.approx(1 / 30),
+    )
     assert [step["settings"]["coefficients"] for step in steps] == [12, 25, 50, 100, 200, 400]
     assert first["best"]
     assert chart["current"] == 0
@@ -124,13 +127,14 @@ def test_a_frame_beside_its_reference(at: Client, here: Here) -> None:
     assert (early.status_code, early.json()["detail"]) == (404, "the reference is not there yet")
     here.go.set()
     assert ended(at, job)["status"] == "done"
-    found = at.get(result).json()
+    answer = at.get(result).json()
+    found = answer["verdict"]
     # The service has no product, so the frame lacks all indirect light.
-    assert found["method"] == "direct"
+    assert answer["method"] == "direct"
     assert 0.1 < found["error"] < 0.9
     assert 0 < found["noise"] <= 0.2
     assert 5 < found["psnr"] < 40
-    assert found["samples"] >= 64
+    assert answer["samples"] >= 64
     pictures = {}
     for which in ("live", "reference", "difference"):
         got = at.get(f"{result}/{which}", params={"exposure": 1})
