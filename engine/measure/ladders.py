@@ -20,6 +20,8 @@ LADDERS: dict[str, dict[str, tuple[Any, ...]]] = {
         "bounce_coefficients": (10, 20, 40, 80),
         "bounces": (0, 1, 2, 3, 5, 8),
         "gloss_coefficients": (10, 20, 40, 80),
+        "view_rays": (89, 233, 610, 1597),
+        "gloss_rays": (89, 233, 610, 1597),
     },
     "glossy_prt": {
         "terms": (1, 2, 4, 8, 16),

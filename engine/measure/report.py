@@ -14,13 +14,13 @@ from typing import Any
 from engine.measure import papers
 from engine.measure.chart import as_svg, draw
 from engine.measure.document import write_json
+from engine.measure.planner import plan
 from engine.measure.report_page import page
 from engine.measure.survey import kinds_of, survey
 from engine.methods.base import Progress
 from engine.scene.edits import edited_camera
 from engine.scene.open import open_scene
 from engine.scene.scene import Scene
-from engine.store import Store
 
 SCENES = ("cornell-box", "room", "teatray", "knot", "vase", "ring")
 SIDE = 192  # pixels along the longer side of a survey's pictures
@@ -55,10 +55,10 @@ def _survey(
 ) -> dict[str, Any]:
     def measured() -> dict[str, Any]:
         for budget in BUDGETS:
-            found = survey(scene, kinds, budget, rivals=rivals, store=Store(), progress=progress)
-            if found["plan"]["holds"]:
+            planned = plan(scene, kinds, budget, progress=progress)
+            if planned.holds:
                 break
-        return found
+        return survey(scene, planned, rivals=rivals, progress=progress)
 
     return _measured(folder, _name(scene.name, kinds), measured)
 

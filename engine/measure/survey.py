@@ -16,7 +16,7 @@ from engine.measure.held_out import HELD_OUT
 from engine.measure.ladders import rung, rungs, settings_at
 from engine.measure.machine import this_machine
 from engine.measure.others import others
-from engine.measure.planner import NOISE, STALLED, Plan, plan
+from engine.measure.planner import NOISE, STALLED, Plan
 from engine.measure.points import MAIN_ERROR, PLAN, RUNG, Point, Sweep
 from engine.measure.sweep import measure
 from engine.measure.trial import Trial, trial_of
@@ -47,23 +47,20 @@ def kinds_of(scene: Scene) -> list[tuple[str, ...]]:
 
 def survey(
     scene: Scene,
-    kinds: Sequence[str],
-    budget: float,
+    planned: Plan,
     *,
     rivals: bool = False,
     store: Store | None = None,
     progress: Progress = silent,
 ) -> dict[str, Any]:
-    """A document as that of a sweep, with the plan and how it came out.
+    """A document as that of a sweep, with a plan of the scene and how it came out.
 
-    kinds   what is edited, all by one method
-    budget  relative L2 error
     rivals  whether Mitsuba 3 is among the others
     """
-    store = store or Store()
-    planned = plan(scene, kinds, budget, store=store, progress=progress)
+    kinds = planned.edits
     edits = [edit for kind in kinds for edit in HELD_OUT[kind](scene, EDITS, SEED)]
-    trial = trial_of(scene, edits, NOISE * budget, store, progress, drag=True)
+    noise = NOISE * planned.budget
+    trial = trial_of(scene, edits, noise, store or Store(), progress, drag=True)
     chosen = measure(trial, planned.method, PLAN, planned.settings, progress)
     points = [chosen]
     able = [name for name, method in METHODS.items() if set(kinds) <= method.edits]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from html.parser import HTMLParser
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -96,13 +97,15 @@ def test_what_was_measured_is_not_measured_again(
 ) -> None:
     asked: list[tuple[str, ...]] = []
 
-    def survey(scene: Any, kinds: Any, budget: float, **_: Any) -> dict[str, Any]:
+    def plan(scene: Any, kinds: Any, budget: float, **_: Any) -> SimpleNamespace:
         asked.append((scene.name, *kinds, budget))
         assert max(scene.camera.width, scene.camera.height) == report.SIDE
-        found = survey_of(scene.name, list(kinds), budget, 0.07)
-        found["plan"]["holds"] = budget > 0.05
-        return found
+        return SimpleNamespace(kinds=kinds, budget=budget, holds=budget > 0.05)
 
+    def survey(scene: Any, planned: Any, **_: Any) -> dict[str, Any]:
+        return survey_of(scene.name, list(planned.kinds), planned.budget, 0.07)
+
+    monkeypatch.setattr(report, "plan", plan)
     monkeypatch.setattr(report, "survey", survey)
     monkeypatch.setattr(report.papers, "compare", lambda progress: against())
     paths = write_report(["cornell-box"], tmp_path, rivals=False, progress=silent)

@@ -55,12 +55,11 @@ def surveyed(
 
     cost = Cost(0.03, 0.02, 1e6, 10.0)
     planned = Plan("direct_to_indirect", ("lights",), 0.05, None, cost, True, (), (), 3, 1.0)
-    monkeypatch.setattr(module, "plan", lambda *_, **__: planned)
     monkeypatch.setattr(module, "trial_of", trial_of)
     monkeypatch.setattr(module, "measure", measure)
     monkeypatch.setattr(module, "others", lambda *_: [])
     monkeypatch.setattr(Plan, "as_dict", lambda self: {"budget": self.budget})
-    return survey(scene, ["lights"], 0.05)
+    return survey(scene, planned)
 
 
 def point(method: str, knob: str, error: float, frame: float, seconds: float) -> Point:
