@@ -50,11 +50,12 @@ def broadcast(
 ) -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.float64], NDArray[np.float64]]:
     """Contiguous (n,), (n, ROW), (n, 3), (n, 3); ValueError where the lengths do not fit."""
     n, _, (models, parameters, first, second) = _together(model, rows, a, b)
+    # Copies, or one of a length of one would be read-only, for which kernels are compiled again.
     return (
-        np.ascontiguousarray(np.broadcast_to(models, n)),
-        np.ascontiguousarray(np.broadcast_to(parameters, (n, ROW))),
-        np.ascontiguousarray(np.broadcast_to(first, (n, 3))),
-        np.ascontiguousarray(np.broadcast_to(second, (n, 3))),
+        np.broadcast_to(models, n).copy(),
+        np.broadcast_to(parameters, (n, ROW)).copy(),
+        np.broadcast_to(first, (n, 3)).copy(),
+        np.broadcast_to(second, (n, 3)).copy(),
     )
 
 

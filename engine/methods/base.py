@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any, Protocol
 
 import numpy as np
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from engine.backend.choice import Backend
 from engine.brdf.base import Material
 from engine.diagnosis import Diagnosis
-from engine.errors import EditNotSupported
+from engine.errors import EditNotSupported, InputError
 from engine.scene.edits import Edits
 from engine.scene.scene import Scene
 from engine.store import Store
@@ -89,6 +89,21 @@ class Product(Protocol):
         `backend` None leaves the choice to RELIGHT_BACKEND; see `engine.backend.choice`. Raises
         EditNotSupported where the product cannot take an edit.
         """
+
+
+def take_declared_types(settings: Any) -> None:
+    """Give the numbers of new settings the types of their fields: 0 becomes 0.0, and 200.0 200.
+
+    A kernel is compiled for each type that it is called with, and a product looked for by its
+    settings. Raises InputError for a part of a whole number.
+    """
+    for each in fields(settings):
+        value, kind = getattr(settings, each.name), {"int": int, "float": float}.get(str(each.type))
+        if kind is None or isinstance(value, (kind, bool)):
+            continue
+        if kind(value) != value:
+            raise InputError(f"{value} is no whole number", field=each.name)
+        object.__setattr__(settings, each.name, kind(value))
 
 
 @dataclass(frozen=True)

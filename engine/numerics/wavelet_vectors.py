@@ -82,7 +82,7 @@ def room_for(rows: int, most: int, channels: int) -> Room:
     )
 
 
-@njit
+@njit(cache=True)
 def to_haar(texels):
     """Haar coefficients of a cube map (6 n², c), in place; a face that is black is passed over."""
     size = texels.shape[0] // FACES

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from engine.errors import InputError
+from engine.methods.base import take_declared_types
 from engine.numerics.haar import levels
 
 MOST_SAMPLES = 65536  # so that sixteen bits name one
@@ -54,6 +55,7 @@ class Settings:
     """Of all random choices: 0 to 2^31."""
 
     def __post_init__(self) -> None:
+        take_declared_types(self)
         for name, low, high in (
             ("bands", 4, 1024),
             ("second_bands", 1, 64),

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from engine.errors import InputError
+from engine.methods.base import take_declared_types
 from engine.numerics.haar import levels
 
 MAX_GATHER_SAMPLES = 4**11
@@ -71,6 +72,7 @@ class Settings:
     """Of all random choices: 0 to 2^31."""
 
     def __post_init__(self) -> None:
+        take_declared_types(self)
         for name, low, high in (
             ("gather_samples", 256, MAX_GATHER_SAMPLES),
             ("coefficients", 1, 4096),

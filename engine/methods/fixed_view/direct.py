@@ -45,7 +45,8 @@ def probes() -> NDArray[np.float64]:
     """
     phase = np.arange(16)
     place = np.stack([phase & 1, phase >> 1 & 1]), np.stack([phase >> 2 & 1, phase >> 3 & 1])
-    return np.where(place[0] == 0, place[1], (1 + place[1]) / 3).T[:, None].astype(np.float64)
+    spread = np.where(place[0] == 0, place[1], (1 + place[1]) / 3)
+    return np.ascontiguousarray(spread.T[:, None], np.float64)  # as `light_samples` are
 
 
 def light_samples(light: Light, per_point: int) -> NDArray[np.float64]:

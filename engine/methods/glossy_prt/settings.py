@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from engine.errors import InputError
+from engine.methods.base import take_declared_types
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,7 @@ class Settings:
     """Wavelets that a vector of bounced light keeps, which is smoother: 6 to 4096."""
 
     def __post_init__(self) -> None:
+        take_declared_types(self)
         for name, low, high in (
             ("terms", 1, 64),
             ("coefficients", 6, 4096),

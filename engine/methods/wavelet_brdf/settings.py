@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from engine.brdf.wavelet.encoding import Target
 from engine.errors import InputError
+from engine.methods.base import take_declared_types
 
 DETAILS = ("distance", "footprint", "finest")
 FILTERS = ("bilinear", "nearest")
@@ -51,6 +52,7 @@ class Settings:
     """`radiance`, or the `levels` of detail in false colours (figure 10)."""
 
     def __post_init__(self) -> None:
+        take_declared_types(self)
         if self.cells not in (8, 16, 32, 64):
             raise InputError(f"{self.cells} is none of 8, 16, 32, 64", field="cells")
         for name, low, high in (
