@@ -87,6 +87,15 @@ class Device:
         """A buffer of so many bytes, with whatever lies there."""
         return self.context.buffer(reserve=max(16, size))
 
+    def write(self, buffer: Any, data: Any) -> None:
+        """Write into a buffer from its beginning, once shaders are done with it.
+
+        By itself a driver may write before the shaders that ran last, whatever barriers say: a list
+        that was to be emptied then went on where it had ended.
+        """
+        self.context.finish()
+        buffer.write(data)
+
     def floats(self, count: int) -> Any:
         """A buffer of zeros for so many float32."""
         buffer = self.room(4 * count)

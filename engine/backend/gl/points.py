@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from engine.backend.gl.context import Device
 from engine.brdf.base import ROW
+from engine.numerics.parallel import for_ranges
 
 # The layout of std430: a vec3 and the number behind it share sixteen bytes.
 POINT = np.dtype(
@@ -40,12 +41,28 @@ class Surface:
         row: NDArray[np.float32],
         phase: NDArray[np.uint8],
         size: NDArray[np.float32],
+        room: Surface | None = None,
     ) -> None:
-        """Shapes as of `engine.methods.fixed_view.frame_buffer.Points`: uploaded once."""
+        """Shapes as of `engine.methods.fixed_view.frame_buffer.Points`: uploaded once.
+
+        `room` is another one that is not needed any more: where it has as many points, its buffer
+        is written into, since a new one takes several times as long.
+        """
         self.count = len(model)
         packed = np.zeros(self.count, POINT)
-        packed["position"], packed["size"] = position, size
-        packed["normal"], packed["model"] = normal, model
-        packed["geometric"], packed["phase"] = geometric, phase
-        packed["view"], packed["row"] = view, row
-        self.buffer: Any = device.upload(packed)
+        parts: dict[str, NDArray[Any]] = {
+            "position": position, "size": size, "normal": normal, "model": model,
+            "geometric": geometric, "phase": phase, "view": view, "row": row,
+        }  # fmt: skip
+
+        def pack(start: int, stop: int) -> None:
+            for name, part in parts.items():
+                packed[name][start:stop] = part[start:stop]
+
+        for_ranges(pack, self.count, grain=1 << 16)
+        self.buffer: Any
+        if room is not None and room.count == self.count > 0:
+            self.buffer = room.buffer
+            device.write(self.buffer, packed)
+        else:
+            self.buffer = device.upload(packed)

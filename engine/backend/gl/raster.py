@@ -56,7 +56,7 @@ class TriangleIds:
         self._target.use()
         self._target.clear()
         # What clear() does to integers is not defined.
-        self._ids.write(bytes(4 * shape[0] * shape[1]))
+        self._device.write(self._ids, bytes(4 * shape[0] * shape[1]))
         self._device.context.enable_only(moderngl.DEPTH_TEST)
         self._mesh.render()
         return self._ids

@@ -116,7 +116,7 @@ class Sight:
     def _list_edges(
         self, n: int, centre: Any, edge: Any, rays: dict[str, Any], *, in_doubt: bool
     ) -> None:
-        edge.write(bytes(4))
+        self._device.write(edge, bytes(4))
         buffers = {"b_triangles": self.triangles, "b_seen": centre, "b_list": edge}
         program = self._device.program("passes/seen_edges.glsl")
         uniforms = {"u_count": n, "u_step": self._step, "u_in_doubt": int(in_doubt)}

@@ -246,7 +246,7 @@ def light_ends(device: Device, visible: Any, flags: Any, width: int, n: int, lis
 
     visible, flags (n,) int32; listed has room for 1 + n int32, the first is their number.
     """
-    listed.write(bytes(4))
+    device.write(listed, bytes(4))
     buffers = {"b_visible": visible, "b_flags": flags, "b_list": listed}
     program = device.program("passes/light_ends.glsl")
     program.run(n, buffers, u_count=n, u_width=width)

@@ -62,7 +62,7 @@ class StoredVectors:
         """
         if self._light is None:
             self._light = self._device.room(light.nbytes)
-        self._light.write(np.ascontiguousarray(light))
+        self._device.write(self._light, np.ascontiguousarray(light))
         for part in self._parts:
             self._device.program(part.shader, part.defines).run_groups(
                 min(part.groups, MOST_GROUPS),

@@ -67,8 +67,17 @@ class Pixels(NamedTuple):
 class GlView:
     """A view on the GPU; lights are remembered one by one, as on the CPU."""
 
-    def __init__(self, device: Device, view: View, shading: Shading | None = None) -> None:
-        """Uploads the deep frame-buffer, and the tree of its triangles unless it is given one."""
+    def __init__(
+        self,
+        device: Device,
+        view: View,
+        shading: Shading | None = None,
+        room: GlView | None = None,
+    ) -> None:
+        """Uploads the deep frame-buffer, and the tree of its triangles unless it is given one.
+
+        `room` is another view that is not needed any more.
+        """
         self._device, self._view = device, view
         self._shading = shading or shading_of(device, view.scene)
         self._pictures: LightPictures[Picture] = LightPictures()
@@ -78,6 +87,7 @@ class GlView:
         has_subsamples[buffer.edge] = HAS_SUBSAMPLES
         self._flags = buffer.alike | has_subsamples
         self._uploaded: dict[int, Pixels] = {}
+        self._room = {} if room is None else room._uploaded
         self._backdrop = Uploads(device)
 
     def on_points(self, points: Surface, lights: tuple[Light, ...], total: Any) -> None:
@@ -177,14 +187,21 @@ class GlView:
         if scale not in self._uploaded:
             device, points = self._device, self._view.points(scale)
             flags, n = self._flags if scale == 1 else self._view.coarse_alike, len(points)
-            self._uploaded[scale] = Pixels(
-                upload_points(device, points),
-                self._view.shape(scale)[1],
-                device.upload(flags.astype(np.int32)),
-                device.room(4 * n),
-                device.room(4 * (1 + n)),
-                device.room(16 * n),
-            )
+            width, flags = self._view.shape(scale)[1], flags.astype(np.int32)
+            room = self._room.pop(scale, None)
+            if room is not None and room.surface.count == n > 0:
+                device.write(room.flags, flags)
+                surface = upload_points(device, points, room.surface)
+                self._uploaded[scale] = room._replace(surface=surface, width=width)
+            else:
+                self._uploaded[scale] = Pixels(
+                    upload_points(device, points),
+                    width,
+                    device.upload(flags),
+                    device.room(4 * n),
+                    device.room(4 * (1 + n)),
+                    device.room(16 * n),
+                )
         return self._uploaded[scale]
 
 
@@ -195,9 +212,9 @@ def shading_of(device: Device, scene: Scene) -> Shading:
     return Shading(device, tree, scene.rays.epsilon)
 
 
-def upload_points(device: Device, points: Points) -> Surface:
-    """The points on the GPU."""
+def upload_points(device: Device, points: Points, room: Surface | None = None) -> Surface:
+    """The points on the GPU; see `Surface` for `room`."""
     return Surface(
         device, points.position, points.normal, points.geometric, points.view, points.model,
-        points.row, points.phase, points.size,
+        points.row, points.phase, points.size, room,
     )  # fmt: skip

@@ -149,6 +149,7 @@ class Wavelets:
 
     def _look(self, camera: Camera, scale: int, codes: Codes, device: Device | None) -> _Seen:
         seen = self._seen
+        drawn = None if seen is None else seen.on_gl
         known = seen is not None and (seen.camera, seen.scale) == (camera, scale)
         if seen is None or not known or seen.codes is not codes:
             room = None if seen is None else seen.view.buffer
@@ -160,7 +161,7 @@ class Wavelets:
             with gl_errors():
                 device.require_own_thread()
                 self._shading = self._shading or self._shading_on(device)
-                on_gl = GlView(device, seen.view, self._shading)
+                on_gl = GlView(device, seen.view, self._shading, drawn)
             seen = _Seen(camera, scale, codes, seen.view, on_gl)
         self._seen = seen
         return seen
