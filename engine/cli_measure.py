@@ -200,6 +200,9 @@ def bench(
     rivals: Annotated[
         bool, typer.Option("--rivals", help="against Mitsuba 3, alone and denoised; takes minutes")
     ] = False,
+    gl: Annotated[
+        bool, typer.Option("--gl", help="the same frames by OpenGL too, and how far apart they are")
+    ] = False,
     set_: SetOption = None,
     size: SizeOption = None,
 ) -> None:
@@ -216,6 +219,7 @@ def bench(
             parse_assignments(set_ or ()),
             method=known_method(method),
             against_rivals=rivals,
+            with_gl=gl,
         )
     if history is not None:
         history.parent.mkdir(parents=True, exist_ok=True)

@@ -10,6 +10,7 @@ import numpy as np
 
 from engine.backend.cpu.product import multiply
 from engine.measure import bench_codes
+from engine.measure.backends import by_backend
 from engine.measure.document import finite, provenance
 from engine.measure.fresh import fresh
 from engine.measure.held_out import judged_on
@@ -45,11 +46,13 @@ def bench(
     *,
     method: str = METHOD,
     against_rivals: bool = False,
+    with_gl: bool = False,
 ) -> dict[str, Any]:
     """Precompute and frame times of every scene at the method's defaults, as JSON.
 
     `changes` replaces some of the defaults. `against_rivals` adds what `engine.measure.rivals`
-    finds, which needs the packages of the extra `peers`.
+    finds, which needs the packages of the extra `peers`; `with_gl` what `engine.measure.backends`
+    finds, which needs OpenGL.
 
     Transport is made from nothing, in a store that is thrown away.
     """
@@ -58,7 +61,8 @@ def bench(
     machine = this_machine()
     bandwidth = machine.memory_read_gb_s * 1e9
     settings = settings_from(METHODS[method].settings, changes or {})
-    found = [_bench_scene(s, method, settings, bandwidth, progress, against_rivals) for s in scenes]
+    beside = against_rivals, with_gl
+    found = [_bench_scene(s, method, settings, bandwidth, progress, *beside) for s in scenes]
     return finite({**provenance(), "machine": machine.as_dict(), "scenes": found})
 
 
@@ -99,6 +103,7 @@ def _bench_scene(
     bandwidth: float,
     progress: Progress,
     against_rivals: bool,
+    with_gl: bool,
 ) -> dict[str, Any]:
     scene, edits = judged_on(scene, [method], EDITS, seed=1)
     with fresh(scene, method, settings, progress) as made:
@@ -116,11 +121,16 @@ def _bench_scene(
             rates = {"code_over_formula": bench_codes.code_over_formula()}
         else:
             rates = {"product_bandwidth": product_rate(product) / bandwidth}
-        against = {}
+        against: dict[str, Any] = {}
         if against_rivals:
             from engine.measure.rivals import rivals
 
-            against = {"rivals": rivals(scene, product, edits[:RIVAL_EDITS], progress)}
+            against["rivals"] = rivals(scene, product, edits[:RIVAL_EDITS], progress)
+        if with_gl:
+            step = STEP * scene.diagonal
+            against["gl"] = {"an edit": by_backend(product, edits, step)}
+            if "camera" in METHODS[method].edits:
+                against["gl"]["the camera moved"] = by_backend(product, views, step)
 
     # Brute force gets the same job, the first of the edits. Its error falls as 1/√samples, so a
     # few samples tell how long it would take to an error that can be looked at.
@@ -154,7 +164,7 @@ def _bench_scene(
             **rates,
             "reference_over_frame": brute_force / timing.median,
             "precompute_over_reference": made.seconds / brute_force,
-            **(against["rivals"]["ratios"] if against else {}),
+            **(against["rivals"]["ratios"] if against_rivals else {}),
         },
         **against,
     }

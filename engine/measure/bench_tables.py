@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from rich.table import Table
+
+Row = Callable[..., tuple[str, list[str]]]
 
 
 def bench_tables(document: dict[str, Any]) -> list[Table]:
@@ -68,7 +71,22 @@ def _rows(scenes: list[dict[str, Any]]) -> list[tuple[str, list[str]]]:
             if "rivals" in scenes[0]
             else []
         ),
+        *(_backend_rows(scenes, row) if "gl" in scenes[0] else []),
     ]
+
+
+def _backend_rows(scenes: list[dict[str, Any]], row: Row) -> list[tuple[str, list[str]]]:
+    found = [("OpenGL", [scene["gl"]["an edit"]["renderer"] for scene in scenes])]
+    for what in scenes[0]["gl"]:
+        found += [
+            row(f"  {what}, by OpenGL", "gl", what, "seconds", "gl", unit="ms", factor=1e3),
+            row(f"  {what}, by kernels", "gl", what, "seconds", "cpu", unit="ms", factor=1e3),
+            (
+                "  pictures apart, at worst",
+                [f"{scene['gl'][what]['apart']['worst']:.1e}" for scene in scenes],
+            ),
+        ]
+    return found
 
 
 def _cell(scene: dict[str, Any], path: tuple[str, ...], factor: float, unit: str) -> str:

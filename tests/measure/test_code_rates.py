@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from engine.backend.choice import chosen_device
 from engine.measure.bench import bench
 from engine.measure.bench_codes import code_over_formula, sitting
 from engine.measure.code_rates import LEVELS, MOVES, markdown, rates
@@ -62,8 +63,14 @@ def test_a_sitting_switches_materials_and_levels(tmp_path: Any) -> None:
 def test_a_benchmark_of_codes() -> None:
     """Judged on moved lights, and by a reference that reflects light once, as the method does."""
     scene = lit(ball(8), measured("plastic"), (24, 20))
-    result = bench([scene], changes={"cells": 8}, method="wavelet_brdf")["scenes"][0]
+    gl = chosen_device("gl")[0] is not None
+    args = {"changes": {"cells": 8}, "method": "wavelet_brdf", "with_gl": gl}
+    result = bench([scene], **args)["scenes"][0]
     assert "'key' moved" in result["frame_seconds"]["lights"]
     assert "another material, new" in result["frame_seconds"]["lights"]
     assert result["ratios"]["code_over_formula"] > 0.1
     assert result["ratios"]["reference_over_frame"] > 0
+    assert set(result.get("gl", {})) == ({"an edit", "the camera moved"} if gl else set())
+    for found in result.get("gl", {}).values():
+        assert min(found["seconds"].values()) > 0
+        assert 0 < found["apart"]["median"] <= found["apart"]["worst"] < 1e-2
