@@ -75,7 +75,7 @@ class CubeVisibility:
     def _draw(self, eye: NDArray[np.float32]) -> None:
         """Mark in the texture what every eye sees blocked."""
         context = self._device.context
-        self._eyes.write(np.repeat(eye, FACES, axis=0))
+        self._device.write(self._eyes, np.repeat(eye, FACES, axis=0))
         self._program["u_eyes"].value = EYES
         self._program["u_near"].value = self._near
         self._target.use()
