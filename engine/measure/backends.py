@@ -8,15 +8,26 @@ from typing import Any
 import numpy as np
 
 from engine.backend.choice import Backend, chosen_device
-from engine.errors import BackendError
+from engine.backend.gl.context import device
+from engine.errors import BackendError, InputError
 from engine.measure.probes import nudged
 from engine.measure.timing import stopwatch
 from engine.methods.base import Frame, Product
 from engine.scene.edits import Edits
 
 BACKENDS: tuple[Backend, ...] = ("cpu", "gl")
+CPU_ALONE = ("brdf_editing",)
 UNAVAILABLE = "gl_unavailable"
 TURNS = 4  # of every edit, each a step further than the last
+
+
+def require_gl(method: str) -> None:
+    """Raise InputError for a method that the CPU alone draws, BackendError without OpenGL."""
+    if method in CPU_ALONE:
+        raise InputError(f"frames of {method} are drawn by the CPU alone", field="gl")
+    found, notices = chosen_device("gl")
+    if found is None:
+        raise BackendError(notices[0].message)
 
 
 def by_backend(product: Product, edits: Sequence[Edits], step: float) -> dict[str, Any]:
@@ -24,9 +35,7 @@ def by_backend(product: Product, edits: Sequence[Edits], step: float) -> dict[st
 
     Every frame is new to both. Raises BackendError where there is no OpenGL, or it fails.
     """
-    device, notices = chosen_device("gl")
-    if device is None:
-        raise BackendError(notices[0].message)
+    require_gl(product.method)
     every = [nudged(edit, turn * step) for turn in range(TURNS) for edit in edits]
     warm_up, pictures, seconds = nudged(edits[0], -step), [], {}
     for backend in BACKENDS:
@@ -42,7 +51,7 @@ def by_backend(product: Product, edits: Sequence[Edits], step: float) -> dict[st
         seconds[backend] = float(np.median(took))
     apart = [np.linalg.norm(a - b) / np.linalg.norm(a) for a, b in zip(*pictures, strict=True)]
     return {
-        "renderer": device.renderer,
+        "renderer": device().renderer,
         "seconds": seconds,
         "apart": {"median": float(np.median(apart)), "worst": float(max(apart))},
     }

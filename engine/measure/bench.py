@@ -10,7 +10,7 @@ import numpy as np
 
 from engine.backend.cpu.product import multiply
 from engine.measure import bench_codes
-from engine.measure.backends import by_backend
+from engine.measure.backends import by_backend, require_gl
 from engine.measure.document import finite, provenance
 from engine.measure.fresh import fresh
 from engine.measure.held_out import judged_on
@@ -58,6 +58,8 @@ def bench(
     """
     if against_rivals:
         import engine.measure.rivals  # noqa: F401  # what is missing is said before the work
+    if with_gl:
+        require_gl(method)
     machine = this_machine()
     bandwidth = machine.memory_read_gb_s * 1e9
     settings = settings_from(METHODS[method].settings, changes or {})

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from engine.backend.choice import chosen_device
+from engine.errors import InputError
 from engine.measure.bench import bench
 from engine.measure.bench_codes import code_over_formula, sitting
 from engine.measure.code_rates import LEVELS, MOVES, markdown, rates
@@ -74,3 +75,8 @@ def test_a_benchmark_of_codes() -> None:
     for found in result.get("gl", {}).values():
         assert min(found["seconds"].values()) > 0
         assert 0 < found["apart"]["median"] <= found["apart"]["worst"] < 1e-2
+
+
+def test_what_only_the_cpu_draws_is_not_compared() -> None:
+    with pytest.raises(InputError, match="brdf_editing are drawn by the CPU alone"):
+        bench([], method="brdf_editing", with_gl=True)
