@@ -1,6 +1,7 @@
 // What more or less error would cost: the chart of the method's settings, an error budget, and the
 // cheapest settings that hold it.
 
+import { capital } from "./fields.js";
 import { FrontChart, percent, unit } from "./front_chart.js";
 import { JobRow } from "./job.js";
 import { post } from "./materials.js";
@@ -24,7 +25,7 @@ export class Front {
       measure: find("front-measure"), budget: find("budget"), budgetValue: find("budget-value"),
       budgetTold: find("budget-told"), use: find("budget-use"),
     });
-    this.drawing = new FrontChart(this.chart, words);
+    this.drawing = new FrontChart(this.chart, (point) => this.#words(point));
     this.measuring = new JobRow(find("front-measuring"), call, ({ phase }) =>
       phase === "settings" ? "Trying settings:" : "Rendering references:");
     this.using = new JobRow(find("budget-using"), call, () => "Computing:");
@@ -141,6 +142,14 @@ export class Front {
     if (this.#live !== null) this.drawing.live(this.#live, current?.cost.error ?? null);
   }
 
+  // A point in lines: its name, its cost, its settings that are not those of all points.
+  #words(point) {
+    const varied = Object.entries(point.settings).filter(([name, value]) =>
+      this.#chart.points.some(({ settings }) => settings[name] !== value));
+    const settings = varied.map(([name, value]) => `${name.replaceAll("_", " ")} ${value}`);
+    return [capital(point.label), told(point), settings.join(", ")];
+  }
+
   // What the chart shows, or why there is none.
   #tell() {
     const { told } = this;
@@ -158,11 +167,4 @@ export class Front {
 function told({ cost: { error, frame, bytes, precompute } }) {
   const known = [percent(error), unit(1000 * frame, "ms"), unit(bytes / 1e6, "MB"), unit(precompute, "s")];
   return `${known.join(", ")} of precompute`;
-}
-
-function words(point) {
-  const settings = Object.entries(point.settings)
-    .filter(([, value]) => ["number", "string"].includes(typeof value))
-    .map(([name, value]) => `${name.replaceAll("_", " ")} ${value}`);
-  return [point.label, told(point), settings.join(", ")];
 }
