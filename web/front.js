@@ -8,6 +8,7 @@ import { post } from "./materials.js";
 
 const FIRST = 0.01; // budget
 const [LEAST, MOST] = [0.005, 0.5];
+const HARDLY = 1.25; // so much longer is a frame when one hardly notices
 const KINDS = {
   lights: "moved lights", environment: "turned surroundings", camera: "new views",
   materials: "new materials",
@@ -89,12 +90,15 @@ export class Front {
     if (problem) this.told.textContent = problem.detail;
   }
 
-  // The cheapest point that holds the budget, or the most exact one.
+  // The quickest point that holds the budget; of those that are hardly slower, the one that is
+  // precomputed first. Where none holds, the most exact one.
   get #chosen() {
     const { points } = this.#chart;
     const holding = points.filter(({ cost }) => cost.error <= this.#budget);
     const least = (among, name) => among.reduce((a, b) => (b.cost[name] < a.cost[name] ? b : a));
-    return holding.length ? least(holding, "frame") : least(points, "error");
+    if (!holding.length) return least(points, "error");
+    const { frame } = least(holding, "frame").cost;
+    return least(holding.filter(({ cost }) => cost.frame <= HARDLY * frame), "precompute");
   }
 
   async #use() {
@@ -132,7 +136,7 @@ export class Front {
     this.drawing.draw(points, budget, k, this.#live);
     this.#showLive();
     const holds = chosen.cost.error <= budget;
-    budgetTold.textContent = `${holds ? "" : `Nothing holds ${percent(budget)}. The best is `}${told(chosen)}`;
+    budgetTold.textContent = `${holds ? "" : `Nothing holds ${percent(budget)}. The best is `}${priced(chosen)}`;
     use.textContent = k === this.#chart.current ? "In use" : "Use it";
     use.disabled = k === this.#chart.current || this.using.active;
   }
@@ -147,7 +151,7 @@ export class Front {
     const varied = Object.entries(point.settings).filter(([name, value]) =>
       this.#chart.points.some(({ settings }) => settings[name] !== value));
     const settings = varied.map(([name, value]) => `${name.replaceAll("_", " ")} ${value}`);
-    return [capital(point.label), told(point), settings.join(", ")];
+    return [capital(point.label), priced(point), settings.join(", ")];
   }
 
   // What the chart shows, or why there is none.
@@ -164,7 +168,7 @@ export class Front {
   }
 }
 
-function told({ cost: { error, frame, bytes, precompute } }) {
+function priced({ cost: { error, frame, bytes, precompute } }) {
   const known = [percent(error), unit(1000 * frame, "ms"), unit(bytes / 1e6, "MB"), unit(precompute, "s")];
   return `${known.join(", ")} of precompute`;
 }
