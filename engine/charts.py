@@ -34,6 +34,7 @@ from engine.measure import (
     factorisation_chart,
     figures,
     growth_chart,
+    stability,
     tables,
 )
 from engine.measure.chart import write_chart
@@ -273,6 +274,16 @@ def _objects_and_materials(asked: Asked) -> tuple[Thing, dict[str, Measured]]:
     return thing, code_stage.measured_by_name(names) if names else {}
 
 
+def _stability(asked: Asked, folder: Path, progress: Progress) -> list[Path]:
+    if asked.scenes:
+        raise InputError("this chart is of scenes of its own", field="SCENE")
+    width, height = asked.pixels((stability.SIDE, stability.SIDE))
+    if width != height:
+        raise InputError(f"{width} x {height} is no square", field="size")
+    methods = [known_method(name) for name in asked.methods]
+    return stability.chart(methods, width, folder, progress)
+
+
 CHARTS: dict[str, Callable[[Asked, Path, Progress], list[Path]]] = {
     "growth": _growth,
     "factorisation": _factorisation,
@@ -280,4 +291,5 @@ CHARTS: dict[str, Callable[[Asked, Path, Progress], list[Path]]] = {
     "tables": _tables,
     "figure": _figures,
     "report": _report,
+    "stability": _stability,
 }

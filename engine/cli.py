@@ -16,6 +16,7 @@ import typer
 from engine.arguments import read_edits, sized_scene, words
 from engine.backend.choice import wanted
 from engine.cli_measure import bench, chart, chosen, plan
+from engine.diagnosis import worth_saying
 from engine.errors import InputError, NotFound, RelightError
 from engine.images import format_of, write_image
 from engine.methods import METHODS, prepare
@@ -129,7 +130,7 @@ def render(
         product = prepare(opened, method, settings, progress=progress)
     frame = product.relight(change, backend=drawing)
     write_image(to, frame.image, exposure)
-    warn(frame.warnings)
+    warn(frame.warnings if error is None else worth_saying(frame.warnings, error))
     out.print(f"{to}: {1000 * frame.timings['total']:.1f} ms")
 
 

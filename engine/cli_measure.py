@@ -91,6 +91,12 @@ def chart(
         list[int] | None,
         typer.Option(help="instead: figures of the paper of glossy_prt, or of --method's"),
     ] = None,
+    stability: Annotated[
+        bool,
+        typer.Option(
+            "--stability", help="instead: where methods fail, by how much, and what is said of it"
+        ),
+    ] = False,
     floor: Annotated[
         int | None, typer.Option(min=1, max=2048, help="cuts of the floor below a mesh file")
     ] = None,
@@ -105,6 +111,7 @@ def chart(
 
     --accuracy, --tables and --figure are of a mesh file's object, or a knot; those of wavelet_brdf
     take BRDF files too, figures of brdf_editing built-in scenes and the width of --size.
+    --stability is of scenes of its own.
     """
     with needs_extra("chart"):
         from engine import charts
@@ -115,6 +122,7 @@ def chart(
         "tables": tables,
         "figure": figure,
         "report": report,
+        "stability": stability,
     }
     folder = report or to
     if folder is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 
@@ -26,6 +27,11 @@ class Meaning:
     of: str
     meaning: str
     mend: str
+
+
+def worth_saying(diagnoses: Iterable[Diagnosis], budget: float) -> tuple[Diagnosis, ...]:
+    """Those whose size is above an allowed relative error, and those that have no number."""
+    return tuple(d for d in diagnoses if d.size == 0 or d.size > budget)
 
 
 def _of(kind: str, **codes: tuple[str, str]) -> dict[str, Meaning]:
@@ -68,6 +74,7 @@ VOCABULARY: dict[str, Meaning] = {
         environment_left_out=("the environment does not shine", "glossy_prt, direct_to_indirect"),
         environment_too_sharp=("much light comes from a spot of the sky", "a light of type `sun`"),
         gloss_seen_as_matt=("gloss seen in gloss looks matt", "more `second_bands`"),
+        indirect_left_out=("light that bounces is left out", "direct_to_indirect"),
         lamp_seen_as_points=("a mirrored lamp shows the points it is taken as", "the reference"),
         light_between_samples=("a light is too near to surfaces", "more `gather_samples`"),
         lights_left_out=("the lamps of the scene do not shine", "direct_to_indirect"),

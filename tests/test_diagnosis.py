@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
-from engine.diagnosis import VOCABULARY
+from engine.diagnosis import VOCABULARY, Diagnosis, worth_saying
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -33,3 +33,9 @@ def test_the_document_lists_the_vocabulary() -> None:
         f"| `{code}` | {entry.of} | {entry.meaning} | {entry.mend} |"
         for code, entry in VOCABULARY.items()
     ]
+
+
+def test_what_is_below_the_budget_is_not_worth_saying() -> None:
+    """What has no number always is."""
+    said = [Diagnosis("opaque", "a", size) for size in (0.0, 0.04, 0.05, 0.06)]
+    assert [d.size for d in worth_saying(said, 0.05)] == [0.0, 0.06]

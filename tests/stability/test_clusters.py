@@ -47,23 +47,6 @@ def furnished(*objects: dict[str, Any]) -> Scene:
     )
 
 
-def slats() -> Scene:
-    """A blind: forty slats of 5 mm, 3 cm apart, where gather samples lie 10 cm apart."""
-    return furnished(
-        *(
-            {
-                "name": f"slat {k}",
-                "mesh": {"shape": "box", "size": [1.2, 0.005, 0.02]},
-                "transform": {
-                    "translate": [0, -0.9 + 0.03 * k, -0.5],
-                    "rotate_degrees": [35, 0, 0],
-                },
-            }
-            for k in range(40)
-        )
-    )
-
-
 def crumpled() -> Scene:
     """A thicket: four hundred leaves of 6 cm that face all ways, several in every cluster."""
     rng = np.random.default_rng(4)
@@ -81,31 +64,30 @@ def crumpled() -> Scene:
     )
 
 
-@pytest.mark.parametrize(("build", "most", "bright"), [(slats, 0.35, 0.25), (crumpled, 0.12, 0.08)])
-def test_things_smaller_than_clusters(
-    make: Make, build: Callable[[], Scene], most: float, bright: float
-) -> None:
-    """Their light is bounded, and that of the room around them is right; both are said.
+def test_many_normals_in_a_cluster(make: Make) -> None:
+    """Their light is bounded, and that of the room around them is right; and it is said.
 
-    29 % error and 19 % too much light were found on the slats, 9 and 5 % on the leaves, with the
-    paper's number of coefficients; around them 4 %. More coefficients do not help, more samples do.
+    9 % error and 5 % too much light were found on the leaves, with the paper's number of
+    coefficients; around them 4 %. More coefficients do not help, more samples do.
     """
-    built = build()
+    built = crumpled()
     truth = render(built, samples=768, seed=6)
     product = make(built, gather_samples=4096)
     on_them = (product.view.buffer.centre.object > 0).reshape(SIZE, SIZE)
     assert on_them.sum() > 50
     error, bias, noise = against(truth, product, on_them)
     assert noise < 0.1
-    assert error < most
-    assert abs(bias) < bright
+    assert error < 0.12
+    assert abs(bias) < 0.08
     error, bias, _ = against(truth, product, no_edges(product) & ~on_them)
     assert error < 0.06
     assert abs(bias) < 0.03
     (said,) = product.relight(Edits()).warnings
     assert said.code == "surfaces_between_samples"
     # No more of the picture than they fill, and a fair part of that.
-    assert 0.3 * on_them.mean() < said.size < 1.1 * on_them.mean()
+    share = float(said.message.split(" %")[0]) / 100
+    assert 0.3 * on_them.mean() < share < 1.1 * on_them.mean()
+    assert said.size < error
     assert make(white_room(0.5, [POINT], SIZE)).relight(Edits()).warnings == ()
 
 
@@ -140,18 +122,6 @@ def test_too_few_gather_samples(make: Make) -> None:
     error_whole, bias_whole, _ = against(truth, whole, no_edges(whole))
     assert error_whole < 0.08
     assert abs(bias_whole) < 0.04
-
-
-def test_a_cone_between_samples_is_said(make: Make) -> None:
-    """A spot of 5 degrees meets one of 256 samples or none; of 16,384 it meets enough."""
-    room = white_room(0.6, [narrow(5)], SIZE)
-    said = {
-        count: [w.size for w in make(room, gather_samples=count).relight(Edits()).warnings]
-        for count in (256, 16384)
-    }
-    assert len(said[256]) == 1
-    assert said[256][0] > 0.3
-    assert said[16384] == []
 
 
 def test_one_huge_among_many_tiny_coefficients() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from methods.scenes import camera, rectangle, scene, small_knot
+from methods.scenes import camera, rectangle, scene
 from numpy.typing import NDArray
 
 from engine.images import write_image
@@ -18,7 +18,7 @@ from engine.methods.glossy_prt import Prt, Settings
 from engine.numerics.wavelet_vectors import white_light
 from engine.reference import render
 from engine.scene.build import build
-from engine.scene.edits import Edits, apply
+from engine.scene.edits import Edits
 from engine.scene.open import describe
 from engine.scene.scene import Scene
 from engine.store import Store
@@ -80,23 +80,6 @@ def test_sharp_lobes_keep_little_of_themselves_in_four_terms(
     hard = make(made).relight(sky(map="studio")).image
     assert hard.min() >= 0
     assert np.isfinite(hard).all()
-
-
-def test_a_one_texel_sun(make: Make, tmp_path: Path) -> None:
-    """Its light arrives from where it stands, 5 % off; where it grazes, 128 wavelets are too few.
-
-    The side that turns from the sun, which has little of its light, shows twice as much.
-    """
-    image = np.zeros((128, 256, 3), np.float32)
-    image[30, 230] = 1e4
-    write_image(tmp_path / "sun.exr", image)
-    made = scene_in(tmp_path, "sun.exr")
-    product = make(made, light_texels=64, visibility_texels=128)
-    for turn, sum_off, most in ((0, 0.03, 0.08), (150, 1.2, 0.7)):
-        true = render(apply(made, sky(rotation_degrees=turn)), samples=64, max_bounces=1).image
-        found = product.relight(sky(rotation_degrees=turn)).image
-        assert found.sum() == pytest.approx(true.sum(), rel=sum_off)
-        assert off(found, true) < most
 
 
 def scene_in(folder: Path, map_: str) -> Scene:
@@ -217,58 +200,6 @@ def test_coarse_gather_maps_make_bands(make: Make) -> None:
     errors = [off(images[texels], images[64]) for texels in (4, 8, 16, 32)]
     assert errors[0] > errors[1] > errors[2] > errors[3]
     assert errors[3] < 0.005
-
-
-def over_a_floor(segments: int) -> Scene:
-    """The ball just over a matt floor that is cut so often, under a sun a tenth of the sky wide."""
-    floor = rectangle("floor", [3, 3], [0, -0.52, 0], [-90, 0, 0])
-    floor["mesh"]["segments"] = [segments, segments]
-    return ball(
-        GREY,
-        size=48,
-        camera=camera(48, position=[0, 2, 3], target=[0, -0.4, 0], fov_y_degrees=40),
-        environment={
-            "map": [0.1, 0.1, 0.1],
-            "area_light": {
-                "direction": [0.6, -1, 0.2], "radius_degrees": 10, "radiance": [20, 20, 20]
-            },
-        },
-        objects=[
-            {"name": "ball", "mesh": {"shape": "sphere", "radius": 0.5, "rings": 24},
-             "material": "ball"},
-            {**floor, "material": "ball"},
-        ],
-    )  # fmt: skip
-
-
-def test_coarse_meshes_are_told_by_how_much_they_are_off(make: Make) -> None:
-    """Against the same floor cut finely; what is said grows with it, of fine meshes nothing."""
-    fine = make(over_a_floor(96)).relight(Edits())
-    said, true = [], []
-    for segments in (2, 6, 24):
-        found = make(over_a_floor(segments)).relight(Edits())
-        true.append(off(found.image, fine.image))
-        said.append({w.code: w.size for w in found.warnings}.get("mesh_too_coarse", 0))
-    assert true[0] > true[1] > true[2]
-    assert said[0] > said[1] > said[2] == 0
-    assert true[2] < 0.1
-    assert "mesh_too_coarse" not in {w.code for w in fine.warnings}
-
-
-def test_simpler_occluders_are_told_by_how_much_they_are_off(make: Make) -> None:
-    """Of a knot that shadows itself, against the scene's own triangles: what is said, and true."""
-    tied, few = small_knot(48, 48), {"terms": 1, "coefficients": 64}
-    exact = make(tied, **few).relight(Edits())
-    said, true = [], []
-    for vertices in (1500, 400, 100):
-        found = make(tied, occluder_vertices=vertices, **few).relight(Edits())
-        true.append(off(found.image, exact.image))
-        said.append({w.code: w.size for w in found.warnings}.get("occluders_too_simple", 0))
-    assert true[0] < true[1] < true[2]
-    assert said[0] < said[1] < said[2]
-    assert true[0] < 0.1
-    assert said[2] > 0.05
-    assert "occluders_too_simple" not in {w.code for w in exact.warnings}
 
 
 def test_borders_of_clusters_fade_with_their_error(make: Make) -> None:

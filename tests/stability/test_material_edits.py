@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from methods.errors import error_and_noise
 from methods.scenes import POINT, camera, rectangle, scene
 from stability.halls import (
     GREY,
@@ -139,28 +138,6 @@ def test_bands_that_no_ray_fell_into(editable: Editable) -> None:
     assert (wide > 0.5 * wide.mean()).all()
 
 
-def test_gloss_in_gloss_looks_matt(editable: Editable) -> None:
-    """The bounce that is seen has its lobe, those behind it are matt: one glossy surface is right.
-
-    Two of exponent 10 were found 5 % off, of 100 46 %, of 1,000 77 %, in a hall that is lit by
-    their gloss alone; up to 77 to 80 % is said.
-    """
-    error = {}
-    for exponent in (10, 100):
-        for back in (GREY, gloss(exponent, 0.1)):
-            made = hall(gloss(exponent, 0.1), back, [{**LAMP, "intensity": [4] * 3}])
-            frame = editable(made, view_rays=1024, bounces=8, gather_samples=4096).relight(Edits())
-            true = render(made, samples=512, max_bounces=9).image
-            key = exponent, back is GREY
-            error[key] = off(smooth(frame.image), smooth(true))
-            size = said(frame, "gloss_seen_as_matt")
-            assert size == 0 if back is GREY else error[key] < size < 0.9
-    assert error[10, True] < 0.04
-    assert error[100, True] < 0.06
-    assert error[10, False] < 0.08
-    assert 0.3 < error[100, False] < 0.6
-
-
 def white_box(albedo: float) -> Scene:
     """A closed box that shines evenly: its radiance is 1 / (1 - albedo)."""
     return scene(
@@ -180,12 +157,12 @@ def test_bounces_that_are_left_out(editable: Editable, bounces: int) -> None:
     product = editable(white_box(0.5), bounces=bounces)
     for albedo in (0.0, 0.3, 0.5, 0.9, 0.95):
         frame = product.relight(edit(wall={"diffuse": [albedo] * 3}))
-        left = 1 / (1 - albedo) / frame.image.mean() - 1
+        left = 1 - (1 - albedo) * frame.image.mean()
         found = said(frame, "bounces_truncated")
         assert found == (pytest.approx(left, rel=1e-3) if left > 0.05 else 0)
     whole = product.relight(edit(wall={"diffuse": [1] * 3}))
     assert whole.image.mean() == pytest.approx(bounces + 2, rel=1e-4)
-    assert said(whole, "bounces_truncated") > 5
+    assert said(whole, "bounces_truncated") > 0.85
     assert "at 8, the most" in message(whole, "bounces_truncated")
 
 
@@ -302,27 +279,6 @@ def test_thirty_objects(editable: Editable) -> None:
     assert hand[30] < 1.2 * hand[2]
     assert paper(2) == 640
     assert paper(30) == 349_184
-
-
-def test_a_lamp_that_is_mirrored_sharply_shows_its_points(editable: Editable) -> None:
-    """64 of them, 0.9 degrees apart as half vectors: against the reference, and what is said.
-
-    Found 2 % at exponent 8,000, 17 % at 30,000, 99 % at 100,000. Points of a lamp a fifth as wide
-    lie closer, and are not seen.
-    """
-    small = {**LAMP, "width": 0.1, "height": 0.1, "intensity": [400] * 3}
-    for lamp, exponent, low, high in (
-        (LAMP, 8000, 0, 0.04), (LAMP, 30_000, 0.1, 0.25), (LAMP, 100_000, 0.8, 1.2),
-        (small, 30_000, 0, 0.04),
-    ):  # fmt: skip
-        made = floor(gloss(exponent), 96, lights=[lamp])
-        frame = editable(made, bands=256, view_rays=16).relight(Edits())
-        true = render(made, samples=256, max_bounces=1)
-        error, _ = error_and_noise(frame.image, true.image, true.variance)
-        assert low <= error < high
-        size = said(frame, "lamp_seen_as_points")
-        assert size == 0 if high < 0.05 else 0.4 * error < size < 2 * error
-        assert frame.image.mean() == pytest.approx(true.image.mean(), rel=0.03)
 
 
 def test_from_one_extreme_to_the_other_and_back(editable: Editable) -> None:

@@ -87,16 +87,18 @@ def limits_of(
             said += _of_material(name, model, table.row[m], settings, albedos[:, m], apart[m])
     if hand >= 0:
         said += _textures(names[hand], table, hand)
-    mirrored = _mirrored(len(names), of, surface, arriving)
+    albedo = albedos[:, hand].sum(axis=0) if hand >= 0 else np.zeros(3)
+    mirrored = _mirrored(len(names), of, surface, arriving, albedo)
     name, spacing = (names[hand], apart[hand]) if hand >= 0 else ("", 0.0)
     taken = table.row[hand]
     return Limits(name, cut, taken, sent, albedos, gloss[hand], mirrored, spacing, tuple(said))
 
 
 def warnings(
-    limits: Limits, hand: int, table: MaterialTable, settings: Settings
+    limits: Limits, hand: int, table: MaterialTable, settings: Settings, image: NDArray[np.float32]
 ) -> tuple[Diagnosis, ...]:
-    """What to say of a frame of the table, which differs in the material in hand alone."""
+    """What to say of a picture (n, 3) of the table, which differs in the material in hand alone."""
+    even = float(image.mean() / max(1e-30, np.linalg.norm(image) / math.sqrt(image.size)))
     said, albedos, albedo = list(limits.said), limits.albedos, np.zeros((2, 3))
     if hand >= 0:
         row = table.row[hand]
@@ -106,7 +108,7 @@ def warnings(
         said += _of_material(limits.name, cut, row, settings, albedo, limits.spacing, True)
     if settings.second_bands == 1:
         said += _seen_as_matt(limits.mirrored, albedos)
-    said += _truncated(limits.sent, albedo.sum(axis=0), settings.bounces)
+    said += _truncated(limits.sent, albedo.sum(axis=0), settings.bounces, even)
     return tuple(_worst(said))
 
 
@@ -204,9 +206,13 @@ def _textures(name: str, table: MaterialTable, hand: int) -> Iterator[Diagnosis]
 
 
 def _mirrored(
-    count: int, of: NDArray[np.int32], surface: Surface, arriving: Arriving
-) -> NDArray[np.float64]:
-    """`Limits.mirrored`: what rays of lobes meet, at some of the pixels."""
+    count: int, of: NDArray[np.int32], surface: Surface, arriving: Arriving,
+    albedo: NDArray[np.float64],
+) -> NDArray[np.float64]:  # fmt: skip
+    """`Limits.mirrored`: what rays of lobes meet, at some of the pixels.
+
+    albedo (3,) is that of the material in hand, which light has met so many times.
+    """
     shown = np.flatnonzero(surface.model[: len(surface.edge)] >= 0)
     some = shown[:: max(1, -(-len(shown) // PIXELS))]
     first = min(arriving.patterns.cosines, arriving.sample.shape[1] - 1)
@@ -214,7 +220,8 @@ def _mirrored(
     met = sample < len(of)
     sample = np.where(met, sample, 0)
     pair = surface.material[some][:, None] * count + of[sample]
-    light = arriving.powers[:, 0].mean(axis=1)[sample]
+    times = albedo ** np.arange(arriving.powers.shape[1])[:, None]
+    light = (arriving.powers * times).sum(axis=1).mean(axis=1)[sample]
     found = np.bincount(pair[met], light[met], minlength=count * count)
     return np.asarray(found, np.float64).reshape(count, count)
 
@@ -234,28 +241,35 @@ def _seen_as_matt(mirrored: NDArray[np.float64], albedos: Albedos) -> Iterator[D
         )
 
 
-def _truncated(sent: Sent, albedo: NDArray[np.float64], bounces: int) -> Iterator[Diagnosis]:
-    """What to say of bounces that were not followed: a series like that of the last ones."""
+def _truncated(
+    sent: Sent, albedo: NDArray[np.float64], bounces: int, even: float
+) -> Iterator[Diagnosis]:
+    """What to say of bounces that were not followed: a series like that of the last ones.
+
+    What is missing lies evenly, so by the norm of a picture that does not it is less.
+    """
     power = albedo ** np.arange(len(sent.total))[:, None]
     last = np.maximum((power * sent.last).sum(axis=0), 0)
     kept = np.clip(sent.kept[0] + albedo * sent.kept[1], 1e-9, MOST_KEPT)
     # The bounce that is seen comes after the last on the cloud.
     there = (power * sent.total).sum(axis=0) + kept * last
     rest = last * kept**2 / (1 - kept)
-    worst = int((rest / np.maximum(there, 1e-30)).argmax())
-    left = float(rest[worst] / max(there[worst], 1e-30))
-    if left <= BUDGET:
+    whole = np.maximum(there + rest, 1e-30)
+    size = even * float(np.linalg.norm(rest) / np.linalg.norm(whole))
+    if size <= BUDGET:
         return
+    worst = int((rest / whole).argmax())
+    left = float(rest[worst] / max(there[worst], 1e-30))
     due = BUDGET / (1 + BUDGET) * (1 + 1 / left)
     enough = bounces + math.ceil(math.log(due) / math.log(kept[worst]))
-    advice = f"set bounces to {enough}."
+    advice = f"set bounces to {max(enough, bounces + 1)}."
     if enough > MOST_BOUNCES:
         gone = kept[worst] ** (MOST_BOUNCES - bounces)
-        still = gone / (1 / left + 1 - gone)
+        still = gone / (1 + 1 / left)
         advice = f"with bounces at {MOST_BOUNCES}, the most there is, it is {100 * still:.0f} %."
     yield Diagnosis(
         "bounces_truncated",
-        f"Light that bounces more often than it was followed would add some "
-        f"{100 * left:.0f} % to what there is: {advice}",
-        left,
+        "Light that bounces more often than it was followed is missing, some "
+        f"{100 * size:.0f} % of the picture: {advice}",
+        size,
     )

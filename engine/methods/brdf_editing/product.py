@@ -87,7 +87,7 @@ class Polynomial:
         with clock("sources"):
             self.view.add_sources(image, lights, scale, scene.environment)
         with clock("limits"):
-            said = warnings(hand.limits, hand.material, table, self._settings)
+            said = warnings(hand.limits, hand.material, table, self._settings, image)
         height, width = self.view.shape(scale)
         return Frame(image.reshape(height, width, 3), clock.timings(), said)
 

@@ -41,11 +41,20 @@ class Bounced(NamedTuple):
     total   (n_g, 3) float32  in wavelets
     unsure  float             how much of the power may be wrong, as its tail is a guess
     power   float             of all bounces that are computed
+    first   float             of the light before its first bounce
+    whole   float             of all, with what is guessed
     """
 
     total: NDArray[np.float32]
     unsure: float
     power: float
+    first: float
+    whole: float
+
+    @property
+    def later(self) -> float:
+        """Part of the light that has bounced."""
+        return 1 - self.first / max(self.whole, 1e-30)
 
 
 class Bounces:
@@ -86,21 +95,25 @@ class Bounces:
             powers.append(_power(b))
         if self.count:
             total += b * fading.tail.astype(np.float32)
-        return Bounced(total, *self.unsure(powers, fading))
+        return Bounced(total, *self.weighed(powers, fading))
 
-    def unsure(self, powers: list[NDArray[np.float64]], fading: Fading) -> tuple[float, float]:
-        """(how much of the power may be wrong, power); `powers` (3,) of g and every bounce.
+    def weighed(
+        self, powers: list[NDArray[np.float64]], fading: Fading
+    ) -> tuple[float, float, float, float]:
+        """(unsure, power, first, whole) as `Bounced` has them; `powers` (3,) of g and every bounce.
 
         A power is coefficient 0 of a light in wavelets, of each channel.
         """
         after, before = powers[-1], powers[max(0, len(powers) - 2)]
-        power = float(np.sum(powers))
+        power, first = float(np.sum(powers)), float(powers[0].sum())
+        tail = float((after * fading.tail).sum())
         if self.count == 0:
-            return float((after * fading.tail).sum()), power
+            # The tail is left out, and so a part of all that there should be.
+            return tail, power + tail, first, power + tail
         # Light that fades faster or slower than others of its kind has another tail.
         fades = after / np.maximum(before, 1e-30)
         off = np.abs(after * fading.tail * (fades / np.maximum(fading.fades, 1e-30) - 1))
-        return float(off.sum()), power
+        return float(off.sum()), power, first, power + tail
 
     def truncated(self, missing: float) -> Diagnosis | None:
         """What to say of the part of all light that may be missing, or too much."""

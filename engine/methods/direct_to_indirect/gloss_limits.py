@@ -1,6 +1,5 @@
-"""What gloss does that the transfer cannot carry, and how much of it.
+"""How wide lobes are, and what surfaces throw on that the transfer cannot carry.
 
-Reflections in a view sample are made of gather samples, so they cannot be finer than those lie.
 Gather samples send on all their light diffusely (§3.1 of Hašan et al. 2006), so light that a glossy
 surface throws onto another, a caustic, is spread evenly instead.
 """
@@ -20,7 +19,7 @@ from engine.brdf.base import SPECULAR, without_grain
 from engine.diagnosis import Diagnosis
 from engine.methods.fixed_view.cloud import GatherCloud
 from engine.methods.fixed_view.surface_points import ALBEDO_POINTS
-from engine.methods.fixed_view.view import View, gloss_of
+from engine.methods.fixed_view.view import gloss_of
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import length, scale, sub
 from engine.scene.scene import Scene
@@ -48,55 +47,6 @@ def lobe_width(model: NDArray[np.int32], row: NDArray[np.float32]) -> NDArray[np
     return width[kind.ravel()]
 
 
-def blurred_mirrors(view: View, cloud: GatherCloud, glossy: NDArray[np.bool_]) -> Diagnosis | None:
-    """What to say of reflections that are sharper than the samples they are made of.
-
-    glossy (pixels,) bool marks view samples whose gloss has rows of its own.
-    """
-    points, pixel = view.buffer.centre, np.flatnonzero(glossy)
-    if not len(pixel):
-        return None
-    normal, towards = points.normal[pixel], points.view[pixel]
-    mirror = 2 * np.einsum("ij,ij->i", normal, towards)[:, None] * normal - towards
-    origin = points.position[pixel] + view.scene.rays.epsilon * points.geometric[pixel]
-    hits = view.scene.rays.intersect(
-        np.ascontiguousarray(origin, np.float32), np.ascontiguousarray(mirror, np.float32)
-    )
-    met = hits.triangle >= 0
-    if not met.any():
-        return None
-    # A lobe is about as wide as two of its standard deviations, where it meets a surface.
-    width = lobe_width(points.model[pixel], points.row[pixel])
-    footprint = 2 * np.tan(np.minimum(width, 1.2))[met] * hits.distance[met]
-    spacing = cloud.spacing
-    wider = np.hypot(1, spacing / np.maximum(footprint, 1e-9)) - 1
-    share = float((wider > 1).sum()) / len(glossy)
-    if share <= NEGLIGIBLE:
-        return None
-    middle = float(np.median(wider))
-    return Diagnosis(
-        "mirror_blurred",
-        f"{100 * share:.0f} % of the picture mirrors the room so sharply that a point looks more "
-        "than twice as wide in it as it should: reflections are made of gather samples, "
-        f"{100 * spacing:.2g} cm apart. Four times the gather_samples halve the width; true "
-        "mirrors need the reference.",
-        middle,
-    )
-
-
-def seen_as_matt(glossy: NDArray[np.bool_]) -> Diagnosis | None:
-    """What to say of glossy surfaces in glossy ones; glossy as for `blurred_mirrors`."""
-    share = float(glossy.mean())
-    if share <= NEGLIGIBLE:
-        return None
-    return Diagnosis(
-        "gloss_seen_as_matt",
-        f"Glossy surfaces fill {100 * share:.0f} % of the picture: they reflect the room, but what "
-        "they reflect looks matt in them.",
-        share,
-    )
-
-
 class Caustics:
     """Weighs the light that sharp gloss would throw on."""
 
@@ -109,22 +59,27 @@ class Caustics:
         self._share = np.minimum(thrown, 1).astype(np.float32) if gloss.any() else None
         self._area = cloud.area
 
-    def __call__(self, first: Callable[[], NDArray[np.float32]]) -> Diagnosis | None:
-        """What to say of the light first() (n_g, 3) that the cloud reflects first, or None."""
+    def __call__(self, first: Callable[[], NDArray[np.float32]], later: float) -> Diagnosis | None:
+        """What to say of the light first() (n_g, 3) that the cloud reflects first, or None.
+
+        later is the part of all light that has bounced. Caustics are bright where they are, so by
+        the norm of a picture they are more than that: its root, as found in three scenes.
+        """
         if self._share is None:
             return None
         radiance = first()
         total = float(self._area @ radiance.sum(axis=1, dtype=np.float64))
         thrown = float(self._area @ (self._share * radiance).sum(axis=1, dtype=np.float64))
         share = thrown / max(total, 1e-30)
-        if share <= NEGLIGIBLE:
+        size = share * math.sqrt(later)
+        if size <= NEGLIGIBLE:
             return None
         return Diagnosis(
             "caustics_spread",
             f"{100 * share:.0f} % of the light that surfaces reflect first leaves glossy ones in a "
             "narrow lobe. The caustics that it makes are not in the picture: that much light is "
             "spread evenly instead. No setting brings them; the reference has them.",
-            share,
+            size,
         )
 
 

@@ -30,6 +30,7 @@ from engine.scene.scene import Scene
 RAYS = 512
 FEWEST = 64  # of them that must carry light to say anything
 OFF = 0.15  # of the light's own: beyond it the user is told
+NEGLIGIBLE = 0.02  # of the picture
 FAR, TURNED = 2.0, 0.7  # spacings and cosine to the nearest sample that still speaks for a place
 KEPT = 4096
 GOLDEN = 0.6180339887498949
@@ -43,24 +44,26 @@ class LightBalance:
     def __init__(self, scene: Scene, cloud: GatherCloud, grid: Grid) -> None:
         """The cloud is that of the scene, the grid that of the cloud."""
         self._scene, self._cloud, self._grid = scene, cloud, grid
-        self._known: OrderedDict[Light, float] = OrderedDict()
+        self._known: OrderedDict[Light, tuple[float, float]] = OrderedDict()
 
     def __call__(
-        self, on: tuple[Light, ...], caught: Callable[[Light], NDArray[np.float32]]
+        self, on: tuple[Light, ...], caught: Callable[[Light], NDArray[np.float32]], later: float
     ) -> Diagnosis | None:
         """What to say of the worst of the lights that are on, or None.
 
-        caught(light) is its direct radiance (n_g, 3) on the cloud.
+        caught(light) is its direct radiance (n_g, 3) on the cloud; later is the part of all light
+        that has bounced, which alone is off.
         """
-        worst: tuple[float, Light] | None = None
+        found: list[tuple[float, float, Light]] = []
         for light in on:
             if light.enabled and not light.has_extent and "position" in type(light).model_fields:
-                off = self.off(light, caught)
-                if worst is None or abs(off) > abs(worst[0]):
-                    worst = off, light
-        if worst is None or abs(worst[0]) <= OFF:
+                found.append((*self.off(light, caught), light))
+        if not found:
             return None
-        off, light = worst
+        off, due, light = max(found, key=lambda each: abs(each[0]) * each[1])
+        size = abs(off) * later * due / max(sum(each[1] for each in found), 1e-30)
+        if abs(off) <= OFF or size <= NEGLIGIBLE:
+            return None
         spacing = self._cloud.spacing
         return Diagnosis(
             "light_between_samples",
@@ -69,13 +72,15 @@ class LightBalance:
             "indirect light is that much too "
             f"{'bright' if off > 0 else 'dark'}; move it off the surface, widen its cone, or set "
             "gather_samples higher.",
-            abs(off),
+            size,
         )
 
-    def off(self, light: Light, caught: Callable[[Light], NDArray[np.float32]]) -> float:
-        """What the cloud reflects of a light beyond what it should, as a part of that.
+    def off(
+        self, light: Light, caught: Callable[[Light], NDArray[np.float32]]
+    ) -> tuple[float, float]:
+        """(what the cloud reflects of a light beyond what it should, as a part of that; that).
 
-        0 where too little of the light falls on sampled surfaces to tell.
+        0 of it where too little of the light falls on sampled surfaces to tell.
         """
         if light not in self._known:
             self._known[light] = self._compare(light, caught(light))
@@ -84,7 +89,7 @@ class LightBalance:
         self._known.move_to_end(light)
         return self._known[light]
 
-    def _compare(self, light: Light, radiance: NDArray[np.float32]) -> float:
+    def _compare(self, light: Light, radiance: NDArray[np.float32]) -> tuple[float, float]:
         scene, cloud = self._scene, self._cloud
         table = light_table([light])
         row = table.row[0]
@@ -100,10 +105,10 @@ class LightBalance:
         )  # fmt: skip
         due, unsure = due * solid_angle / RAYS, unsure * solid_angle / RAYS
         if carrying < FEWEST or due <= unsure:
-            return 0.0
+            return 0.0, due
         # Places that no sample speaks for may be outside of all that is seen, or not.
         surplus = found / due - 1
-        return math.copysign(max(0.0, abs(surplus) - unsure / due), surplus)
+        return math.copysign(max(0.0, abs(surplus) - unsure / due), surplus), due
 
 
 @njit(cache=True, nogil=True)

@@ -18,11 +18,12 @@ from engine.light.base import Light
 from engine.light.environment import Environment
 from engine.methods.base import Frame, MaterialFit, require_supported
 from engine.methods.clock import Clock
-from engine.methods.direct_to_indirect.bounces import Bounces
-from engine.methods.direct_to_indirect.coverage import uncovered
+from engine.methods.direct_to_indirect.bounces import Bounced, Bounces
+from engine.methods.direct_to_indirect.coverage import said_of, uncovered
 from engine.methods.direct_to_indirect.gl_transfer import GlTransfer, Parts, Standing
-from engine.methods.direct_to_indirect.gloss_limits import Caustics, blurred_mirrors, seen_as_matt
+from engine.methods.direct_to_indirect.gloss_limits import Caustics
 from engine.methods.direct_to_indirect.light_balance import LightBalance
+from engine.methods.direct_to_indirect.mirrors import blurred_mirrors, mirrored_by, seen_as_matt
 from engine.methods.direct_to_indirect.reflected import (
     add_at_edges,
     add_indirect,
@@ -49,6 +50,7 @@ class Drawn(NamedTuple):
 
     image         (n, 3)
     missing       what the bounces may miss of all light
+    later         part of what the cloud reflects that has bounced before
     first         () -> (n_g, 3), what the cloud reflects of all lights first
     first_of      light -> (n_g, 3), the same of one light
     timings       seconds by part
@@ -56,6 +58,7 @@ class Drawn(NamedTuple):
 
     image: NDArray[np.float32]
     missing: float
+    later: float
     first: Callable[[], NDArray[np.float32]]
     first_of: Callable[[Light], NDArray[np.float32]]
     timings: dict[str, float]
@@ -93,11 +96,12 @@ class Transfer:
         # Indirect light meets whole pixels where they have no sub-samples.
         self._glossy = glossy_pixels(view)
         self._caustics = Caustics(view.scene, cloud)
+        mirrored = mirrored_by(view, self._glossy)
         self._of_view = (
-            blurred_mirrors(view, cloud, self._glossy),
-            uncovered(view, cloud, nearby),
-            seen_as_matt(self._glossy),
+            blurred_mirrors(mirrored, cloud),
+            seen_as_matt(mirrored),
         )
+        self._uncovered = uncovered(view, cloud, nearby)
         whole = as_gathered(view.reflectance, self._glossy)
         self._sub = as_gathered(view.sub_reflectance, self._glossy[view.buffer.donor])
         grid = np.arange(len(whole.matt)).reshape(camera.height, camera.width)
@@ -161,10 +165,11 @@ class Transfer:
         with clock("environment"):
             standing = self._standing(environment, scale)
         image, powers = gl.draw(lights, standing, scale, clock)
-        unsure, power = self._bounces.unsure(powers, self._bounces.of_lights)
         bounced = self._bounced(environment)
-        missing = (unsure + bounced.unsure) / max(power + bounced.power, 1e-30)
-        return Drawn(image, missing, gl.first, gl.first_of, clock.timings())
+        of_lights = self._bounces.weighed(powers, self._bounces.of_lights)
+        bounced = both(bounced, Bounced(np.zeros_like(bounced.total), *of_lights))
+        missing = bounced.unsure / max(bounced.power, 1e-30)
+        return Drawn(image, missing, bounced.later, gl.first, gl.first_of, clock.timings())
 
     def _standing(self, environment: Environment | None, scale: int) -> Standing:
         backdrop = self.view.backdrop.picture(environment)
@@ -215,7 +220,7 @@ class Transfer:
         with clock("compose"):
             self._compose(arriving, mirrored, image, scale)
         missing = bounced.unsure / max(bounced.power, 1e-30)
-        return Drawn(image, missing, lambda: g, self._first_of, clock.timings())
+        return Drawn(image, missing, bounced.later, lambda: g, self._first_of, clock.timings())
 
     def _parts(self) -> Parts:
         return Parts(
@@ -264,14 +269,15 @@ class Transfer:
     def _warnings(
         self, lights: tuple[Light, ...], environment: Environment | None, drawn: Drawn
     ) -> tuple[Diagnosis, ...]:
-        balance, missing = self._balance(lights, drawn.first_of), drawn.missing
+        balance = self._balance(lights, drawn.first_of, drawn.later)
 
         def first() -> NDArray[np.float32]:
             standing = self._environment.gather if environment is not None else np.float32(0)
             return drawn.first() + self.cloud.emission + standing
 
-        truncated = self._bounces.truncated(missing)
-        said = (*self._of_view, self._caustics(first), balance, truncated)
+        covered = said_of(self._uncovered, self.cloud, drawn.later)
+        truncated = self._bounces.truncated(drawn.missing)
+        said = (*self._of_view, covered, self._caustics(first, drawn.later), balance, truncated)
         found = [warning for warning in said if warning is not None]
         if environment is not None:
             found += self._environment.warnings(self._settings.view_rays)

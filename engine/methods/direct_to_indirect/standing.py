@@ -38,4 +38,10 @@ class StandingLight:
 
 def both(a: Bounced, b: Bounced) -> Bounced:
     """The sum of two."""
-    return Bounced(a.total + b.total, a.unsure + b.unsure, a.power + b.power)
+    return Bounced(
+        a.total + b.total,
+        a.unsure + b.unsure,
+        a.power + b.power,
+        a.first + b.first,
+        a.whole + b.whole,
+    )

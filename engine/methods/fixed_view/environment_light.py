@@ -32,7 +32,7 @@ Picture = NDArray[np.float32]
 TINY = 1000  # a lamp in a map fills so small a part of the sphere, or less
 # How far light from such lamps is off, times the root of the rays of a point: 3 on an open floor,
 # where neighbours help each other, and 6 in a court.
-LAMPS_OFF = 5.0
+LAMPS_OFF = 4.0
 SHARP = 0.05  # error of the rows from which on the user is told
 
 NONE = np.zeros((0, 3), np.float32)

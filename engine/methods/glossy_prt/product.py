@@ -16,6 +16,7 @@ from engine.backend.choice import Backend, GlFirst
 from engine.backend.cpu.vectors import Factor
 from engine.backend.gl.context import Device
 from engine.backend.gl.vectors import Part, StoredVectors
+from engine.diagnosis import Diagnosis
 from engine.light.cube_light import CubeLight
 from engine.light.environment import Environment, is_same
 from engine.methods.base import Frame, MaterialFit, require_supported
@@ -23,7 +24,7 @@ from engine.methods.clock import Clock
 from engine.methods.free_view import View, look
 from engine.methods.glossy_prt.fits import Fits
 from engine.methods.glossy_prt.gl_prt import GlPrt
-from engine.methods.glossy_prt.measured import Measured, said_of
+from engine.methods.glossy_prt.measured import Measured, hardness, left_out, said_of
 from engine.methods.glossy_prt.settings import Settings
 from engine.methods.glossy_prt.shade import Responses, respond, shade
 from engine.methods.glossy_prt.terms import Terms
@@ -84,7 +85,8 @@ class Prt:
         self._backend = GlFirst()
         # What draws on the GPU, from the first frame that it draws.
         self._gl: GlPrt | None = None
-        self._of_scene = (*said_of(scene, transport.measured), *fits.said)
+        self._of_scene = (*left_out(scene), *fits.said)
+        self._of_light: tuple[Environment | None, tuple[Diagnosis, ...]] | None = None
         self._fits = fits.materials
 
     @property
@@ -121,7 +123,14 @@ class Prt:
         )
         if self._backend.failed:
             self._gl = None
-        return Frame(image, clock.timings(), (*notices, *self._of_scene))
+        return Frame(image, clock.timings(), (*notices, *self._of_scene, *self._said(environment)))
+
+    def _said(self, environment: Environment | None) -> tuple[Diagnosis, ...]:
+        """What to say of the light of an environment, however it is turned; the last is kept."""
+        if self._of_light is None or not _is_as_hard(self._of_light[0], environment):
+            hard = hardness(self._light.radiance(environment), self._settings.light_texels)
+            self._of_light = environment, tuple(said_of(self.transport.measured, hard))
+        return self._of_light[1]
 
     def _by_gl(
         self, device: Device, environment: Environment | None, camera: Camera, scale: int
@@ -179,3 +188,11 @@ class Prt:
             responses = respond(*args, view.centre), respond(*args, view.sub)
             self._view = camera, scale, view, responses
         return self._view[2:]
+
+
+def _is_as_hard(a: Environment | None, b: Environment | None) -> bool:
+    """Whether two environments are the same but for a turn and a factor."""
+    if a is None or b is None:
+        return a is b
+    same = a.description.area_light == b.description.area_light
+    return same and a.radiance is b.radiance

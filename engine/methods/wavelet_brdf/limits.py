@@ -11,6 +11,7 @@ from engine.brdf.wavelet import layout
 from engine.brdf.wavelet.layout import block
 from engine.diagnosis import Diagnosis
 from engine.methods.base import MaterialFit
+from engine.methods.light_shares import Shares
 from engine.methods.wavelet_brdf.codes import Codes, has_code
 from engine.methods.wavelet_brdf.sharpness import Sharpness
 from engine.scene.scene import Scene
@@ -36,14 +37,24 @@ def fits_of(scene: Scene, codes: Codes, used: Sequence[int]) -> tuple[MaterialFi
 
 
 def said_of(
-    scene: Scene, materials: Sequence[Material], codes: Codes, used: Sequence[int]
+    scene: Scene, materials: Sequence[Material], codes: Codes, used: Sequence[int], shares: Shares
 ) -> Iterator[Diagnosis]:
-    """What all frames of a scene come with."""
-    if scene.environment is not None:
+    """What all frames of a scene come with, whose light as it stands has these shares."""
+    if scene.environment is not None and shares.environment > OFF:
         yield Diagnosis(
             "environment_left_out",
             "This method reflects the light of lamps alone: the environment is seen behind, but "
-            "does not shine. glossy_prt carries its light, direct_to_indirect that of both.",
+            f"does not shine, which is {shares.environment:.0%} of the light in the scene as it "
+            "stands. glossy_prt carries its light, direct_to_indirect that of both.",
+            shares.environment,
+        )
+    if shares.bounced > OFF:
+        yield Diagnosis(
+            "indirect_left_out",
+            "This method reflects light once: what surfaces throw on each other is left out, "
+            f"{shares.bounced:.0%} of the light in the scene as it stands. direct_to_indirect "
+            "carries it, for a camera that stands still.",
+            shares.bounced,
         )
     for m in used:
         code, sharp, name = codes.each[m], codes.sharp[m], scene.material_names[m]

@@ -25,6 +25,7 @@ from engine.methods.base import Frame, MaterialFit, require_supported, silent
 from engine.methods.clock import Clock
 from engine.methods.fixed_view.gl_view import GlView
 from engine.methods.fixed_view.view import View
+from engine.methods.light_shares import light_shares
 from engine.methods.wavelet_brdf import levels
 from engine.methods.wavelet_brdf.codes import NAME, Codes, codes_of
 from engine.methods.wavelet_brdf.limits import fits_of, said_of
@@ -58,7 +59,7 @@ class Wavelets:
         self._codes: tuple[tuple[Material, ...], list[int], Codes] = (
             scene.materials, self._used, codes,
         )  # fmt: skip
-        self._own = codes
+        self._own, self._shares = codes, light_shares(scene)
         self._lit = scene if settings.shadows else _without_shadows(scene)
         self._seen: _Seen | None = None
         self._shading: Shading | None = None
@@ -111,7 +112,7 @@ class Wavelets:
 
     def _said(self) -> tuple[Diagnosis, ...]:
         materials, _, codes = self._codes
-        return tuple(said_of(self.scene, materials, codes, self._used))
+        return tuple(said_of(self.scene, materials, codes, self._used, self._shares))
 
     def _draw(
         self, camera: Camera, lights: tuple[Light, ...], materials: tuple[Material, ...],
