@@ -57,13 +57,6 @@ def rung(method: str, k: int) -> dict[str, Any]:
     return {name: steps[min(k, len(steps) - 1)] for name, steps in LADDERS[method].items()}
 
 
-def below(method: str, name: str, value: Any) -> Any | None:
-    """The step of a setting before a value; None where it is the first."""
-    steps = LADDERS[method][name]
-    k = steps.index(value)
-    return steps[k - 1] if k else None
-
-
 def settings_at(method: str, chosen: dict[str, Any]) -> Any:
     """The method's settings with steps of its ladders, and what goes along with them."""
     extra: dict[str, Any] = {}

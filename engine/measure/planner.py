@@ -14,7 +14,7 @@ from typing import Any
 
 from engine.errors import InputError
 from engine.measure.held_out import HELD_OUT
-from engine.measure.ladders import LADDERS, below, rung, rungs, settings_at
+from engine.measure.ladders import LADDERS, rung, rungs, settings_at
 from engine.measure.pilots import Cost, Pilots
 from engine.methods import METHODS
 from engine.methods.base import Progress, silent
@@ -179,20 +179,36 @@ def _lowered(
     cost_of: Callable[[dict[str, Any]], Cost],
     bound: float,
 ) -> tuple[dict[str, Any], list[str]]:
+    """One setting after the other at the least that holds, and why it is not less."""
     reasons = []
-    for name in LADDERS[method]:
-        while True:
-            value = below(method, name, settings[name])
-            if value is None:
-                reasons.append(f"{name} = {settings[name]}: the least is enough")
-                break
-            lower = {**settings, name: value}
-            error = cost_of(lower).error
-            if error > bound:
-                reasons.append(f"{name} = {settings[name]}: {value} would be {_percent(error)} off")
-                break
-            settings = lower
+    for name, steps in LADDERS[method].items():
+
+        def error_of(k: int, chosen: dict[str, Any] = settings, name: str = name) -> float:
+            return cost_of({**chosen, name: LADDERS[method][name][k]}).error
+
+        least, before = _least(steps.index(settings[name]), error_of, bound)
+        settings = {**settings, name: steps[least]}
+        why = "the least is enough"
+        if least:
+            why = f"{steps[least - 1]} would be {_percent(before)} off"
+        reasons.append(f"{name} = {steps[least]}: {why}")
     return settings, reasons
+
+
+def _least(top: int, error_of: Callable[[int], float], bound: float) -> tuple[int, float]:
+    """(the first step that holds where `top` does, the error of the one before), by halves."""
+    error = error_of(0) if top else 0.0
+    if error <= bound:
+        return 0, 0.0
+    before, least = 0, top
+    while least - before > 1:
+        middle = (before + least) // 2
+        found = error_of(middle)
+        if found <= bound:
+            least = middle
+        else:
+            before, error = middle, found
+    return least, error
 
 
 def _percent(error: float) -> str:

@@ -11,7 +11,7 @@ import pytest
 from engine.errors import InputError
 from engine.measure import pilots, planner
 from engine.measure.held_out import judged_on
-from engine.measure.ladders import LADDERS, below, rung, rungs, settings_at
+from engine.measure.ladders import LADDERS, rung, rungs, settings_at
 from engine.measure.pilots import Cost
 from engine.measure.planner import ORDER, plan
 from engine.measure.settings import settings_from
@@ -29,9 +29,6 @@ def test_ladders_are_of_settings_that_exist(method: str) -> None:
     assert set(LADDERS) == set(METHODS) == set(ORDER)
     for k in range(rungs(method)):
         settings_at(method, rung(method, k))
-    for name, steps in LADDERS[method].items():
-        assert below(method, name, steps[0]) is None
-        assert [below(method, name, value) for value in steps[1:]] == list(steps[:-1])
 
 
 class MadeUp:
@@ -70,12 +67,27 @@ def test_what_matters_is_raised_and_nothing_else() -> None:
         **rung("direct_to_indirect", 0), "coefficients": 25, "bounces": 2,
     }  # fmt: skip
     for name in ("coefficients", "bounces"):
-        lower = below("direct_to_indirect", name, choice.settings[name])
+        steps = LADDERS["direct_to_indirect"][name]
+        lower = steps[steps.index(choice.settings[name]) - 1]
         assert error({**choice.settings, name: lower}) > 0.8 * 0.05
     tight, _ = chosen(error, 0.03)
     assert (tight.settings["coefficients"], tight.settings["bounces"]) == (50, 2)
     (reason,) = [r for r in tight.reasons if r.startswith("bounces")]
     assert reason == "bounces = 2: 1 would be 4.0 % off"
+
+
+@pytest.mark.parametrize("first", range(8))
+def test_the_least_step_is_found_by_halves(first: int) -> None:
+    asked = []
+
+    def error_of(k: int) -> float:
+        asked.append(k)
+        return 0.04 if k >= first else 0.1 + 0.01 * k
+
+    found = planner._least(7, error_of, 0.05)
+    assert found == (first, 0.1 + 0.01 * (first - 1) if first else 0.0)
+    assert len(asked) <= 4
+    assert planner._least(0, error_of, 0.05) == (0, 0.0)
 
 
 def test_what_cannot_be_held_is_said() -> None:
