@@ -73,7 +73,9 @@ class Pilots:
         edits = [edit for kind in kinds for edit in HELD_OUT[kind](small, EDITS, SEED)]
         self._trial = trial_of(small, edits, noise, store, progress)
         lamps = [edit.model_copy(update={"environment": None}) for edit in edits]
-        lit = trial_of(small.with_environment(None), lamps, noise, store, progress, max_bounces=1)
+        dark = small.with_environment(None)
+        # Noise of its own, or its variance would not add to that of all light.
+        lit = trial_of(dark, lamps, noise, store, progress, max_bounces=1, seed=1)
         self._direct = [_direct_of(lit, self._trial, k) for k in range(len(edits))]
         self.count = 0
 

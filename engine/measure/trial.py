@@ -78,18 +78,20 @@ def trial_of(
     progress: Progress,
     *,
     max_bounces: int | None = None,
+    seed: int = 0,
     drag: bool = False,
 ) -> Trial:
     """References to a relative L2 error, from the store if it has them, and masks.
 
+    seed  of their noise
     drag  whether there is a path too; its references have noise of their own each
     """
     path = drag_path(scene, edits[0]) if drag else []
-    jobs = [(edit, 0) for edit in edits] + [(edit, k + 1) for k, edit in enumerate(path)]
+    jobs = [(edit, seed) for edit in edits] + [(edit, seed + k + 1) for k, edit in enumerate(path)]
     found = []
-    for number, (edit, seed) in enumerate(jobs):
+    for number, (edit, own_seed) in enumerate(jobs):
         progress("references", number, len(jobs))
-        found.append(truth(scene, edit, error, store, progress, seed, max_bounces))
+        found.append(truth(scene, edit, error, store, progress, own_seed, max_bounces))
     progress("references", len(jobs), len(jobs))
     return Trial(
         scene, edits, found[: len(edits)], masks_of(scene, edits), path, found[len(edits) :]
