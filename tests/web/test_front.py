@@ -23,7 +23,7 @@ from server.precompute import settings_of
 
 pytestmark = pytest.mark.web
 
-METHOD, SIZE = "direct_to_indirect", 64
+METHOD, SIZE = "direct_to_indirect", 48
 SETTINGS = {"gather_samples": 1024}
 WARN = """async () => {
   const { Status } = await import("./status.js");
@@ -113,7 +113,7 @@ def test_the_budget_picks_settings_and_frames_take_them(
         after = settled(page)
         assert 0.2 < np.abs(after - before).mean() < 20
         # What was never measured is, when asked for, until somebody stops it.
-        page.get_by_role("radio", name="Materials").click()
+        page.locator("[data-method=brdf_editing]").click()
         page.locator("#front-measure").click()
         page.locator("#front-measuring").get_by_role("button", name="Cancel").click()
         page.wait_for_selector("#front-measure:not([hidden])")
@@ -138,7 +138,6 @@ def test_what_the_reference_shows(browser: Browser, charted: str, visiting: Visi
         difference = page.locator("#reference-pictures button", has_text="Difference")
         difference.click()
         assert page.locator("#reference-over").is_visible()
-        page.get_by_role("radio", name="Lights").click()
         assert page.locator("#reference-again").is_hidden()
         drag(page, "key", 30, 0)
         assert page.locator("#reference-over").is_hidden()
