@@ -4,6 +4,8 @@ const SVG = "http://www.w3.org/2000/svg";
 const [WIDE, HIGH] = [192, 150];
 const [LEFT, RIGHT, TOP, BOTTOM] = [36, 186, 8, 122];
 const ROOM = 1.6; // around the points, as a factor
+const DECADE = Math.log(10); // an axis has at least one
+const FAR = 5;
 const LEAST = 1e-4; // an error of 0 has no logarithm
 const NUMBERS = [1, 2, 5];
 
@@ -35,7 +37,8 @@ export class FrontChart {
   // seconds that the picture took last or null.
   draw(points, budget, chosen, seconds) {
     const times = points.map(({ cost }) => cost.frame);
-    if (seconds !== null) times.push(seconds);
+    // A frame that took far longer than others do, such as the first one, makes no axis longer.
+    if (seconds !== null && seconds < FAR * Math.max(...times)) times.push(seconds);
     const x = scale(times.map((time) => 1000 * time), LEFT, RIGHT);
     const y = scale(points.map(({ cost }) => errorOf(cost.error)), BOTTOM, TOP);
     this.#scales = { x, y };
@@ -114,7 +117,9 @@ function text(content, x, y, anchor) {
 
 // From values to places, and the numbers that an axis shows at least `apart` from each other.
 function scale(values, from, to) {
-  const [low, high] = [Math.log(Math.min(...values) / ROOM), Math.log(Math.max(...values) * ROOM)];
+  const [least, most] = [Math.log(Math.min(...values) / ROOM), Math.log(Math.max(...values) * ROOM)];
+  const more = Math.max(0, DECADE - (most - least)) / 2;
+  const [low, high] = [least - more, most + more];
   const part = (value) => (Math.log(value) - low) / (high - low);
   const of = (value) => from + Math.min(1, Math.max(0, part(value))) * (to - from);
   const ticks = (apart) => {
