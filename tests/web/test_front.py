@@ -82,6 +82,32 @@ def slide(page: Page, part: float) -> None:
     page.mouse.click(box["x"] + 8 + part * (box["width"] - 16), box["y"] + box["height"] / 2)
 
 
+def test_what_the_reference_shows(browser: Browser, charted: str, visiting: Visiting) -> None:
+    with visiting(browser, charted) as visit:
+        page: Page = visit.page
+        settled(page)
+        page.get_by_role("button", name="What would the reference show?").click()
+        page.wait_for_selector("#reference-progress:not([hidden])")
+        page.wait_for_selector("#reference-pictures:not([hidden])", timeout=90_000)
+        told = said(page.locator("#reference-told"))
+        assert "% off (relative L2, edges left out)" in told
+        assert "the reference's own noise is" in told
+        page.wait_for_function(
+            "() => [...document.querySelectorAll('#reference-pictures img')]"
+            f".every((image) => image.naturalWidth === {SIZE})"
+        )
+        difference = page.locator("#reference-pictures button", has_text="Difference")
+        difference.click()
+        assert page.locator("#reference-over").is_visible()
+        assert page.locator("#reference-again").is_hidden()
+        drag(page, "key", 30, 0)
+        assert page.locator("#reference-over").is_hidden()
+        assert page.inner_text("#reference-told").startswith("Before the last change: ")
+        assert page.locator("#reference-again").is_visible()
+        page.keyboard.press("Escape")
+        assert page.locator("#reference").is_hidden()
+
+
 def test_the_budget_picks_settings_and_frames_take_them(
     browser: Browser, charted: str, visiting: Visiting
 ) -> None:
@@ -119,29 +145,3 @@ def test_the_budget_picks_settings_and_frames_take_them(
         page.wait_for_selector("#front-measure:not([hidden])")
         assert page.locator("#front-measuring").is_hidden()
         assert page.locator("#front-chart").is_hidden()
-
-
-def test_what_the_reference_shows(browser: Browser, charted: str, visiting: Visiting) -> None:
-    with visiting(browser, charted) as visit:
-        page: Page = visit.page
-        settled(page)
-        page.get_by_role("button", name="What would the reference show?").click()
-        page.wait_for_selector("#reference-progress:not([hidden])")
-        page.wait_for_selector("#reference-pictures:not([hidden])", timeout=90_000)
-        told = said(page.locator("#reference-told"))
-        assert "% off (relative L2, edges left out)" in told
-        assert "the reference's own noise is" in told
-        page.wait_for_function(
-            "() => [...document.querySelectorAll('#reference-pictures img')]"
-            f".every((image) => image.naturalWidth === {SIZE})"
-        )
-        difference = page.locator("#reference-pictures button", has_text="Difference")
-        difference.click()
-        assert page.locator("#reference-over").is_visible()
-        assert page.locator("#reference-again").is_hidden()
-        drag(page, "key", 30, 0)
-        assert page.locator("#reference-over").is_hidden()
-        assert page.inner_text("#reference-told").startswith("Before the last change: ")
-        assert page.locator("#reference-again").is_visible()
-        page.keyboard.press("Escape")
-        assert page.locator("#reference").is_hidden()
