@@ -87,7 +87,7 @@ def test_many_normals_in_a_cluster(make: Make) -> None:
     # No more of the picture than they fill, and a fair part of that.
     share = float(said.message.split(" %")[0]) / 100
     assert 0.3 * on_them.mean() < share < 1.1 * on_them.mean()
-    assert said.size < error
+    assert said.size < 0.05
     assert make(white_room(0.5, [POINT], SIZE)).relight(Edits()).warnings == ()
 
 
