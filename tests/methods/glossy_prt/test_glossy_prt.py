@@ -235,8 +235,11 @@ def test_the_camera_is_free_and_costs_no_precompute(make: Make) -> None:
 
 
 def test_lights_are_refused_and_the_scene_s_own_are_mentioned(make: Make) -> None:
-    product = make(ball(GREY, lights=[POINT]))
-    assert "lights_left_out" in {w.code for w in product.relight(Edits()).warnings}
+    for position, told in (([0.2, 0.4, 0.1], False), ([0.8, 1.0, 1.6], True)):
+        # In the ball it lights nothing.
+        product = make(ball(GREY, lights=[{**POINT, "position": position}]))
+        said = {w.code for w in product.relight(Edits()).warnings}
+        assert ("lights_left_out" in said) == told
     with pytest.raises(EditNotSupported, match="direct_to_indirect"):
         product.relight(Edits(lights=[{"id": "point", "intensity": [1, 1, 1]}]))
 
