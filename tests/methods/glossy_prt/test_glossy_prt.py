@@ -237,7 +237,8 @@ def test_the_camera_is_free_and_costs_no_precompute(make: Make) -> None:
 def test_lights_are_refused_and_the_scene_s_own_are_mentioned(make: Make) -> None:
     for position, told in (([0.2, 0.4, 0.1], False), ([0.8, 1.0, 1.6], True)):
         # In the ball it lights nothing.
-        product = make(ball(GREY, lights=[{**POINT, "position": position}]))
+        lamp = {**POINT, "position": position, "intensity": [9, 9, 9]}
+        product = make(ball(GREY, lights=[lamp]))
         said = {w.code for w in product.relight(Edits()).warnings}
         assert ("lights_left_out" in said) == told
     with pytest.raises(EditNotSupported, match="direct_to_indirect"):
