@@ -2,8 +2,8 @@
 
 A job that was started because somebody looked is stopped when the last one looks elsewhere; a job
 that was asked for by name (`watcher=API`) ends only by itself or by `cancel`. What somebody looks
-at goes first: a job that nobody does makes room, and goes on later from the chunks that it has
-left in the store.
+at goes first, then other products, then charts and references: a job that is less urgent makes
+room, and goes on later from what it has left in the store.
 """
 
 from __future__ import annotations
@@ -17,11 +17,12 @@ from typing import Any
 from engine.errors import Cancelled, NotFound
 from engine.methods.base import Progress
 from server.precompute import Task
-from server.problems import describe
+from server.problems import Busy, describe
 from server.wire import JobState, JobStatus, Problem
 
 API = "api"
 KEPT = 100
+MOST = 64  # that run or wait
 PUBLISH_SECONDS = 0.1
 
 Work = Callable[[Task, Progress], Any]
@@ -51,6 +52,11 @@ class Job:
     def looked_at(self) -> bool:
         """Whether somebody waits for it before a picture."""
         return bool(self.watchers - {API})
+
+    @property
+    def rank(self) -> int:
+        """0 is the most urgent."""
+        return 0 if self.looked_at else 1 if self.task.work == "product" else 2
 
     def state(self) -> JobState:
         """As it crosses the wire."""
@@ -89,10 +95,12 @@ class Jobs:
         self._thread.start()
 
     def start(self, task: Task, watcher: str) -> JobState:
-        """Start the task, or join the job that is at it already."""
+        """Start the task, or join the job that is at it already; Busy where too many wait."""
         with self._lock:
             job = self._active(task)
             if job is None:
+                if sum(other.active for other in self._jobs.values()) >= MOST:
+                    raise Busy(f"{MOST} jobs are waiting already")
                 job = Job(task)
                 self._jobs[job.id] = job
                 self._forget_old()
@@ -184,10 +192,10 @@ class Jobs:
                     self._stop(job)
 
     def _make_room(self) -> None:
-        """The running job waits while another is looked at and it is not."""
-        looked_at = any(job.status == "queued" and job.looked_at for job in self._jobs.values())
+        """The running job waits while there is a more urgent one."""
+        first = self._next()
         for job in self._jobs.values():
-            job.makes_room = looked_at and job.status == "running" and not job.looked_at
+            job.makes_room = first is not None and job.status == "running" and first.rank < job.rank
         self._lock.notify_all()
 
     def _stop(self, job: Job) -> None:
@@ -210,7 +218,7 @@ class Jobs:
             listener(state)
 
     def _serve(self) -> None:
-        """The thread of the jobs: what somebody looks at first, then in order."""
+        """The thread of the jobs: the most urgent first, then in order."""
         while True:
             with self._lock:
                 self._lock.wait_for(lambda: self._closed or self._next() is not None)
@@ -224,7 +232,7 @@ class Jobs:
 
     def _next(self) -> Job | None:
         queued = [job for job in self._jobs.values() if job.status == "queued"]
-        return min(queued, key=lambda job: not job.looked_at, default=None)
+        return min(queued, key=lambda job: job.rank, default=None)
 
     def _run(self, job: Job) -> None:
         published = 0.0

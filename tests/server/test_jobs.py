@@ -11,8 +11,9 @@ import pytest
 from engine.errors import NotFound, SceneError
 from engine.methods.base import Progress
 from engine.scene.camera import Camera
-from server.jobs import Jobs
+from server.jobs import MOST, Jobs
 from server.precompute import Task
+from server.problems import Busy
 from server.wire import JobState
 
 
@@ -119,6 +120,26 @@ def test_what_is_looked_at_goes_first(jobs: Jobs, work: Clockwork) -> None:
     work.go.set()
     until(lambda: jobs.get(also_unseen.id).status == "done")
     assert [t.camera.position[0] for t in work.begun] == [0, 2, 0, 1]
+
+
+def test_products_go_before_charts_and_references(jobs: Jobs, work: Clockwork) -> None:
+    chart = task(0).model_copy(update={"work": "front"})
+    measured = jobs.start(chart, "api")
+    until(lambda: jobs.get(measured.id).status == "running")
+    wanted = jobs.start(task(1), "api")
+    until(lambda: jobs.get(wanted.id).status == "running", 1.0)
+    assert jobs.get(measured.id).status == "queued"
+    work.go.set()
+    until(lambda: jobs.get(measured.id).status == "done")
+    assert work.begun == [chart, task(1), chart]
+
+
+def test_no_more_wait_than_there_is_room_for(jobs: Jobs) -> None:
+    for number in range(MOST):
+        jobs.start(task(number), "api")
+    assert jobs.start(task(3), "api")
+    with pytest.raises(Busy):
+        jobs.start(task(MOST), "api")
 
 
 def test_one_who_looks_does_not_push_another_aside(jobs: Jobs, work: Clockwork) -> None:
