@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from engine.errors import NotFound
 from engine.measure.edges import scene_edges
-from engine.measure.false_colour import false_colour
+from engine.measure.false_colour import Difference, difference
 from engine.measure.truth import Truth, known_truth
 from engine.measure.verdict import verdict
 from engine.numerics.display import to_srgb8
@@ -25,7 +25,7 @@ from server.precompute import Task
 from server.wire import ReferenceResult, Shown
 
 KEPT = 8  # that can still be asked for
-FULL = 0.25  # of the mean radiance: where the difference has its darkest colours
+MOST_PIXELS = 1 << 22  # of a reference
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,11 @@ class Compared:
         """(h, w): the pixels that count, which are those without edges."""
         return ~scene_edges(apply(self.scene, self.task.edits))
 
+    @cached_property
+    def difference(self) -> Difference:
+        """In false colour."""
+        return difference(self.frame, self.truth, self.kept)
+
     def result(self, exposure: float) -> ReferenceResult:
         """The numbers, at an exposure in stops."""
         return ReferenceResult(
@@ -58,12 +63,12 @@ class Compared:
             verdict=verdict(self.frame, self.truth, self.kept, exposure),
             samples=self.truth.samples,
             seconds=round(self.truth.seconds, 2),
-            full=FULL,
+            full=self.difference.full,
+            averaged=self.difference.averaged,
         )
 
     def picture(self, which: Shown, exposure: float) -> NDArray[np.uint8]:
         """(h, w, 3) sRGB; the difference is the same at any exposure."""
         if which == "difference":
-            colours = false_colour(self.frame, self.truth.image, self.kept, FULL)
-            return np.round(255 * colours).astype(np.uint8)
+            return np.round(255 * self.difference.colours).astype(np.uint8)
         return to_srgb8(self.frame if which == "live" else self.truth.image, exposure)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import Any
 
-from engine.errors import EditNotSupported, InputError, NotFound
+from engine.errors import EditError, EditNotSupported, InputError, NotFound
 from engine.measure.front import judged_by, known_front
 from engine.methods import EDITS, METHODS, prepare
 from engine.methods.base import Progress
@@ -16,7 +16,7 @@ from engine.scene.edits import Edits
 from engine.store import Store
 from server import maps, measured
 from server.compared import KEPT as KEPT_COMPARED
-from server.compared import Compared
+from server.compared import MOST_PIXELS, Compared
 from server.details import material_details, scene_detail
 from server.jobs import API, Jobs
 from server.maps import Uploads
@@ -118,7 +118,7 @@ class Service:
                 f"a precompute takes a camera and materials only, not {', '.join(sorted(others))}",
                 field=f"edits.{min(others)}",
             )
-        settings_of(request.method, request.settings)
+        settings_of(request.method, request.settings or {})
         materials = measured.located(request.edits, stage, self.samples).materials or {}
         stage.with_materials(materials)
         camera = stage.camera(request.edits)
@@ -137,6 +137,7 @@ class Service:
 
         Without settings it is made as the last one of the method was.
         """
+        chosen = stage.settings(method) if settings is None else settings
         if "camera" in EDITS.get(method, ()):
             camera = stage.scene().camera
         return Task(
@@ -145,7 +146,7 @@ class Service:
             camera=camera,
             materials=materials or {},
             method=method,
-            settings=self.usual(method) | dict(settings or stage.settings(method)),
+            settings=self.usual(method) | dict(chosen),
         )
 
     def usual(self, method: str) -> dict[str, Any]:
@@ -195,13 +196,16 @@ class Service:
     async def compare(self, stage: Stage, order: Order, error: float, seconds: float) -> JobState:
         """Draw the order, and start a job that has the reference of the same edits."""
         await asyncio.to_thread(stage.scene)
+        camera = stage.camera(order.edits)
+        if camera.width * camera.height > MOST_PIXELS:
+            raise EditError(f"a reference has at most {MOST_PIXELS} pixels", field="camera")
         await self.reader.read(stage, order.edits.materials)
         frame, method = await self.worker.run(lambda: relit(stage, order))
         scene = stage.scene()
         task = Task(
             scene=stage.name,
             source=stage.source,
-            camera=stage.camera(order.edits),
+            camera=camera,
             method=order.method,
             settings=order.settings,
             work="reference",

@@ -193,10 +193,13 @@ class FrameHeader(Wire):
 
 
 class PrecomputeRequest(Wire):
-    """Which method to prepare, for the camera and the materials of `edits`."""
+    """Which method to prepare, for the camera and the materials of `edits`.
+
+    settings  in place of the usual ones; None are those of its last precompute for the scene
+    """
 
     method: str = "direct_to_indirect"
-    settings: dict[str, Any] = {}
+    settings: dict[str, Any] | None = None
     edits: Edits = Edits()
 
 
@@ -240,7 +243,7 @@ class ReferenceResult(Wire):
 
     method            that drew the frame
     samples, seconds  that the reference took, per pixel and in all
-    full              where the difference is darkest: parts of the mean radiance
+    full, averaged    see `engine.measure.false_colour.Difference`
     """
 
     method: str
@@ -248,6 +251,7 @@ class ReferenceResult(Wire):
     samples: int
     seconds: float
     full: float
+    averaged: int
 
 
 class LiveEdit(Wire):

@@ -10,6 +10,7 @@ const EDITS = new Set(["lights", "environment", "materials", "materialEdits", "r
 
 export class Reference {
   #job = null; // what the pictures are of
+  #done = false; // whether they are there
   #asked = 0;
   #words = "";
 
@@ -59,7 +60,7 @@ export class Reference {
       this.box.classList.add("stale");
       this.#tell();
     }
-    if (what === "exposure" && !moving && !this.row.active) this.#show();
+    if (what === "exposure" && !moving && this.#done) this.#show();
   }
 
   // Close it, and give up what goes on.
@@ -68,6 +69,7 @@ export class Reference {
     this.row.cancel();
     this.row.leave();
     this.#job = null;
+    this.#done = false;
     this.#lay(null);
     if (this.box.contains(document.activeElement)) this.ask.focus();
     this.box.hidden = true;
@@ -96,7 +98,8 @@ export class Reference {
   }
 
   #ended({ status, problem }) {
-    if (status === "done") this.#show();
+    this.#done = status === "done";
+    if (this.#done) this.#show();
     else if (problem) {
       this.#words = problem.detail;
       this.#tell();
@@ -119,6 +122,9 @@ export class Reference {
     const full = percent(result.full);
     this.legend.querySelector(".low").textContent = `−${full}: too dark`;
     this.legend.querySelector(".high").textContent = `too bright: +${full} of the mean`;
+    const n = result.averaged;
+    const averaged = n > 1 ? `, each place the mean of ${n} × ${n} pixels: single ones are noise` : "";
+    this.legend.querySelector(".none").textContent = `edges left out${averaged}`;
     this.pictures.hidden = this.legend.hidden = false;
   }
 
@@ -130,7 +136,7 @@ export class Reference {
 }
 
 function words({ method, verdict: { error, least, psnr, noise }, samples, seconds }) {
-  if (error === null || noise === null) return "The reference is black: there is nothing to compare with.";
+  if (error === null || least === null) return "The reference is black: there is nothing to compare with.";
   const off = error > least ? percent(error) : `under ${percent(least)}`;
   const alike = psnr === null ? "no difference on the screen" : unit(psnr, "dB");
   return (
