@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.errors import NotFound
-from engine.measure.edges import scene_edges
+from engine.measure.edges import lamps_seen, scene_edges
 from engine.measure.false_colour import Difference, difference
 from engine.measure.truth import Truth, known_truth
 from engine.measure.verdict import verdict
@@ -48,8 +48,9 @@ class Compared:
 
     @cached_property
     def kept(self) -> NDArray[np.bool_]:
-        """(h, w): the pixels that count, which are those without edges."""
-        return ~scene_edges(apply(self.scene, self.task.edits))
+        """(h, w): the pixels that count: no edges, no lamps that are seen themselves."""
+        edited = apply(self.scene, self.task.edits)
+        return ~(scene_edges(edited) | lamps_seen(edited))
 
     @cached_property
     def difference(self) -> Difference:

@@ -124,7 +124,7 @@ export class Reference {
     this.legend.querySelector(".high").textContent = `too bright: +${full} of the mean`;
     const n = result.averaged;
     const averaged = n > 1 ? `, each place the mean of ${n} × ${n} pixels: single ones are noise` : "";
-    this.legend.querySelector(".none").textContent = `edges left out${averaged}`;
+    this.legend.querySelector(".none").textContent = `edges and lamps left out${averaged}`;
     this.pictures.hidden = this.legend.hidden = false;
   }
 
@@ -140,7 +140,7 @@ function words({ method, verdict: { error, least, psnr, noise }, samples, second
   const off = error > least ? percent(error) : `under ${percent(least)}`;
   const alike = psnr === null ? "no difference on the screen" : unit(psnr, "dB");
   return (
-    `${NAMES[method] ?? method}: ${off} off (relative L2, edges left out), ${alike}; ` +
+    `${NAMES[method] ?? method}: ${off} off (relative L2, edges and lamps left out), ${alike}; ` +
     `the reference's own noise is ${percent(noise)} (${samples} samples a pixel, ${Math.round(seconds)} s).`
   );
 }

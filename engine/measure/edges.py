@@ -9,10 +9,19 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter
 
+from engine.light import table as lights
+from engine.light.table import light_table
+from engine.numerics.borrow import borrow
+from engine.numerics.parallel import for_ranges
+from engine.numerics.vec import vec
 from engine.scene.rays import Hits
 from engine.scene.scene import Scene
+
+emitted_by = lights.emitted
 
 NORMAL_DEGREES = 20.0
 DEPTH = 0.02  # metres off the tangent plane per metre of distance from the eye
@@ -80,6 +89,34 @@ def scene_edges(scene: Scene) -> NDArray[np.bool_]:
         surface.reshape(shape),
         scene.camera.position,
     )
+
+
+def lamps_seen(scene: Scene) -> NDArray[np.bool_]:
+    """(h, w): the pixels through which lamps themselves are seen, and those around them.
+
+    A lamp is a hundred times as bright as what it lights. At its outline that is all that two
+    renderers differ by; within, it is all that the error would be a part of.
+    """
+    directions, hits = _centre_hits(scene)
+    eye = np.asarray(scene.camera.position, np.float32)
+    met = np.zeros(len(directions), np.bool_)
+    for light in scene.lights:
+        if light.enabled and light.has_extent:
+            table = light_table([light])
+            args = table.kind[0], table.row[0], eye, directions, hits.distance, met
+            for_ranges(_meet_lamp, len(met), *args)
+    grown = maximum_filter(met.reshape(scene.camera.height, scene.camera.width), 3)
+    return np.asarray(grown, np.bool_)
+
+
+@njit(cache=True, nogil=True)
+def _meet_lamp(start, stop, kind, row, eye, direction, limit, met):
+    """Mark the rays that meet a lamp before their limit."""
+    e, lamp = vec(eye.reshape(1, 3), 0), borrow(row)
+    for i in range(start, stop):
+        distance, _, _, _ = emitted_by(kind, lamp, e, vec(direction, i))
+        if 0.0 <= distance <= limit[i]:
+            met[i] = True
 
 
 def seen_objects(scene: Scene) -> NDArray[np.int32]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from engine.measure.metrics import Image, Mask, psnr, relative_l2, resolution
 from engine.measure.truth import Truth
+from engine.reference.result import relative_error
 
 
 @dataclass(frozen=True)
@@ -16,7 +17,7 @@ class Verdict:
     error   relative L2, edges left out, the reference's noise taken out
     least   the smallest error that this noise lets one see
     psnr    decibels of the pictures as they are shown, with the noise
-    noise   relative L2 error of the reference itself
+    noise   relative L2 error of the reference itself, over the same pixels
     """
 
     error: float | None
@@ -31,6 +32,6 @@ def verdict(image: Image, truth: Truth, kept: Mask, exposure: float) -> Verdict:
         relative_l2(image, truth.image, kept, truth.variance),
         resolution(truth.image, truth.variance, kept),
         psnr(image, truth.image, kept, exposure),
-        truth.error,
+        relative_error(truth.image[kept], truth.variance[kept]),
     )
     return Verdict(*(value if math.isfinite(value) else None for value in found))

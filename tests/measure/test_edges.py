@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from engine.measure.edges import edge_mask, scene_edges, seen_objects
+from engine.measure.edges import edge_mask, lamps_seen, scene_edges, seen_objects
 from engine.scene.open import open_scene
 from engine.scene.scene import Scene
 
@@ -96,3 +96,17 @@ def test_edges_of_the_cornell_box() -> None:
     assert edges[pixel_of(scene, (0.0, 0.4, 0.559))]
     assert not edges[pixel_of(scene, (0.2, 0.4, 0.559))]
     assert not edges[pixel_of(scene, (0.0, 0.35, 0.3))]
+
+
+def test_lamps_are_seen_while_they_are_on_and_in_front() -> None:
+    scene = open_scene("cornell-box")
+    scene = scene.with_camera(scene.camera.model_copy(update={"width": 64, "height": 64}))
+    seen = lamps_seen(scene)
+    y, x = np.nonzero(seen)
+    assert 20 < len(x) < 100
+    assert seen[y.min() : y.max() + 1, x.min() + 2 : x.max() - 1].all()
+    assert 4 < y.min() < y.max() < 16
+    assert 20 < x.min() < x.max() < 44
+    for change in ({"enabled": False}, {"position": (0.278, 3.0, 0.28)}):
+        lights = tuple(light.model_copy(update=change) for light in scene.lights)
+        assert not lamps_seen(scene.with_lights(lights)).any()

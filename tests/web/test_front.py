@@ -90,7 +90,7 @@ def test_what_the_reference_shows(browser: Browser, charted: str, visiting: Visi
         page.wait_for_selector("#reference-progress:not([hidden])")
         page.wait_for_selector("#reference-pictures:not([hidden])", timeout=90_000)
         told = said(page.locator("#reference-told"))
-        assert "% off (relative L2, edges left out)" in told
+        assert "% off (relative L2, edges and lamps left out)" in told
         assert "the reference's own noise is" in told
         page.wait_for_function(
             "() => [...document.querySelectorAll('#reference-pictures img')]"
