@@ -11,10 +11,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from engine.measure import papers
+from engine.measure import papers, stability
 from engine.measure.chart import as_svg, draw
 from engine.measure.document import write_json
 from engine.measure.planner import plan
+from engine.measure.regimes import GROUPS
 from engine.measure.report_page import page
 from engine.measure.survey import kinds_of, survey
 from engine.methods.base import Progress
@@ -42,11 +43,15 @@ def write_report(
         scene = _sized(open_scene(source))
         surveys += [_survey(scene, kinds, folder, rivals, progress) for kinds in kinds_of(scene)]
     against = _measured(folder, "papers", lambda: papers.compare(progress=progress))
+    if not (folder / "stability.json").exists():
+        stability.chart((), stability.SIDE, folder, progress)
+    regimes = json.loads((folder / "stability.json").read_text())
+    sheets = {group: (folder / stability.sheet_name(group)).read_bytes() for group in GROUPS}
     charts = [as_svg(draw(found)) for found in surveys]
     for found, chart in zip(surveys, charts, strict=True):
         (folder / f"{_name(found['scene'], found['kinds'])}.svg").write_bytes(chart)
     path = folder / "report.html"
-    path.write_text(page(surveys, charts, against))
+    path.write_text(page(surveys, charts, against, regimes, sheets))
     return [path, *sorted(folder.glob("*.json")), *sorted(folder.glob("*.svg"))]
 
 

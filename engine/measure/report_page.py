@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from string import Template
 from typing import Any
+
+from engine.measure.stability import HEAD, cells, told_of
 
 STYLE = """
 :root { color-scheme: light dark }
@@ -35,13 +38,19 @@ Cell = str | float | None
 
 
 def page(
-    surveys: Sequence[dict[str, Any]], charts: Sequence[bytes], against: dict[str, Any]
+    surveys: Sequence[dict[str, Any]],
+    charts: Sequence[bytes],
+    against: dict[str, Any],
+    regimes: dict[str, Any],
+    sheets: Mapping[str, bytes],
 ) -> str:
     """The whole file.
 
     surveys  of `engine.measure.survey`
     charts   of each, as SVG
     against  of `engine.measure.papers.compare`
+    regimes  of `engine.measure.stability`
+    sheets   pictures of each of its groups, as PNG
     """
     parts = [*_plans(surveys), *_papers(against)]
     before = None
@@ -50,6 +59,7 @@ def page(
             parts.append(f"<h2>{escape(survey['scene'])}</h2>")
         before = survey["scene"]
         parts += _scene(survey, chart)
+    parts += _stability(regimes, sheets)
     return PAGE.substitute(style=STYLE, machine=escape(_machine(against)), body="\n".join(parts))
 
 
@@ -106,13 +116,24 @@ def _papers(against: dict[str, Any]) -> Iterable[str]:
     yield _table(head, rows, words=5)
 
 
+def _stability(regimes: dict[str, Any], sheets: Mapping[str, bytes]) -> Iterable[str]:
+    """Where methods fail, by how much, and what is said."""
+    yield "<h2>Where methods fail</h2><ul>"
+    yield from (f"<li>{escape(line)}</li>" for line in told_of(regimes))
+    yield "</ul>"
+    for group, sheet in sheets.items():
+        rows = [cells(row) for row in regimes["regimes"] if row["group"] == group]
+        yield f"<h3>{escape(group.capitalize())}</h3>"
+        yield _table(HEAD, rows, words=len(HEAD))
+        yield _figure(sheet, "image/png", f"Ours, the reference, the difference: {group}")
+
+
 def _scene(survey: dict[str, Any], chart: bytes) -> Iterable[str]:
     """What edits of a kind cost there, and what its plan leaves out."""
     plan = survey["plan"]
-    address = f"data:image/svg+xml;base64,{base64.b64encode(chart).decode()}"
     words = f"Error against frame time, bytes and precompute: {survey['scene']}"
     yield f"<h3>Edits of {escape(' and '.join(survey['kinds']))}</h3>"
-    yield f'<figure><img alt="{escape(words)}" src="{address}"></figure>'
+    yield _figure(chart, "image/svg+xml", words)
     held = "holds" if plan["holds"] else "does not hold"
     yield (
         f"<p>Planned for {_percent(plan['budget'])}: <b>{escape(plan['method'])}</b>, which "
@@ -122,6 +143,12 @@ def _scene(survey: dict[str, Any], chart: bytes) -> Iterable[str]:
     yield from (f"<li>left out: {escape(reason)}</li>" for reason in plan["left_out"])
     yield "</ul>"
     yield f'<p class="small">{survey["date"][:10]}, {survey["commit"]}, seed {survey["seed"]}</p>'
+
+
+def _figure(data: bytes, media_type: str, words: str) -> str:
+    """A picture as a data address."""
+    address = f"data:{media_type};base64,{base64.b64encode(data).decode()}"
+    return f'<figure><img alt="{escape(words)}" src="{address}"></figure>'
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[Cell]], words: int) -> str:
@@ -137,8 +164,13 @@ def _row(tag: str, cells: Sequence[Cell], words: int) -> str:
         return f' class="{" ".join(names)}"' if names else ""
 
     texts = [_short(cell) for cell in cells]
-    made = (f"<{tag}{classes(k, t)}>{escape(t)}</{tag}>" for k, t in enumerate(texts))
+    made = (f"<{tag}{classes(k, t)}>{_marked(t)}</{tag}>" for k, t in enumerate(texts))
     return f"<tr>{''.join(made)}</tr>"
+
+
+def _marked(text: str) -> str:
+    """Text with `code` in it."""
+    return re.sub("`([^`]+)`", r"<code>\1</code>", escape(text))
 
 
 def _short(cell: Cell) -> str:

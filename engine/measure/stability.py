@@ -7,9 +7,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from engine.images import encode
 from engine.measure import contact_sheet
 from engine.measure.chart import machine_caption
 from engine.measure.contact_sheet import Row, Sheet, difference, picture
@@ -20,7 +17,6 @@ from engine.measure.regimes import BUDGET, GROUPS, REGIMES, Outcome, run
 from engine.measure.settings import settings_from
 from engine.methods import METHODS
 from engine.methods.base import Progress
-from engine.numerics.display import to_srgb8
 from engine.store import Store
 
 SIDE = 128  # pixels of a picture
@@ -49,11 +45,16 @@ def write(outcomes: Sequence[Outcome], document: dict[str, Any], folder: Path) -
     for group, regimes in GROUPS.items():
         shown = [outcome for outcome in outcomes if outcome.regime in regimes]
         if shown:
-            path = folder / f"stability-{group.replace(' ', '-')}.png"
+            path = folder / sheet_name(group)
             figure = contact_sheet.draw(sheet(group, shown, document))
             figure.savefig(path, dpi=150, metadata={"Software": None})
             paths.append(path)
     return paths
+
+
+def sheet_name(group: str) -> str:
+    """The file of a group's pictures."""
+    return f"stability-{group.replace(' ', '-')}.png"
 
 
 def regimes_document(outcomes: Sequence[Outcome], side: int, machine: Machine) -> dict[str, Any]:
@@ -120,31 +121,38 @@ def _row(outcome: Outcome) -> dict[str, Any]:
 
 def markdown(document: dict[str, Any]) -> list[str]:
     """Lines: what the counts say, and a table for each group."""
-    found = document["counts"]
-    side, budget = document["width"], document["budget"]
+    found, side = document["counts"], document["width"]
     lines = [
         f"{found['regimes']} regimes at {side} x {side} pixels, relative L2 against the path "
         f"tracer without edges; {found['warnings']} warnings, {found['sized']} of them with a "
         "size.",
         "",
-        f"- False alarms, above {_percent(budget)} where the error is below: "
-        f"{_listed(found['false_alarms'])}",
-        f"- More than {document['overstated_from']:g} times too large: "
-        f"{_listed(found['overstated'])}",
-        f"- Above {_percent(budget)} and silent: {_listed(found['silent'])}",
+        *(f"- {line}" for line in told_of(document)),
     ]
     for group in GROUPS:
-        rows = [_cells(row) for row in document["regimes"] if row["group"] == group]
+        rows = [cells(row) for row in document["regimes"] if row["group"] == group]
         if rows:
             lines += ["", f"### {group.capitalize()}", "", *table(HEAD, rows, len(HEAD))]
     return lines
+
+
+def told_of(document: dict[str, Any]) -> list[str]:
+    """How often warnings are wrong."""
+    found, budget = document["counts"], _percent(document["budget"])
+    return [
+        f"False alarms, above {budget} where the error is below: {_listed(found['false_alarms'])}",
+        f"More than {document['overstated_from']:g} times too large: "
+        f"{_listed(found['overstated'])}",
+        f"Above {budget} and silent: {_listed(found['silent'])}",
+    ]
 
 
 def _listed(names: Sequence[str]) -> str:
     return f"{len(names)} ({'; '.join(names)})" if names else "none"
 
 
-def _cells(row: dict[str, Any]) -> list[str]:
+def cells(row: dict[str, Any]) -> list[str]:
+    """A regime's line of the table below HEAD."""
     said = ", ".join(
         f"`{code}` {_percent(size) if size else ''}".strip()
         for code, size in row["warnings"].items()
@@ -200,11 +208,3 @@ def _pictures(outcome: Outcome) -> Row:
             ),
         ],
     )
-
-
-def strip(outcome: Outcome) -> bytes:
-    """PNG (side, 3 side): ours, the reference, and where ours is too bright, red, or too dark."""
-    exposure = auto_exposure(outcome.reference)
-    shown = [to_srgb8(image, exposure) for image in (outcome.ours, outcome.reference)]
-    off = difference(outcome.ours, outcome.reference, outcome.kept, FULL, "").image
-    return encode(np.concatenate([*shown, np.round(255 * off).astype(np.uint8)], axis=1), "png")

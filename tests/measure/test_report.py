@@ -53,6 +53,16 @@ def against() -> dict[str, Any]:
     return {"machine": MACHINE, "rows": [row]}
 
 
+def regimes() -> dict[str, Any]:
+    row = {
+        "group": "lights", "name": "lamp in a wall", "method": "glossy_prt", "words": "A & B.",
+        "error": 0.3, "floor": 0.01, "bound": 0.4, "warnings": {"lights_left_out": 0.2},
+        "mend": None, "mended_error": None,
+    }  # fmt: skip
+    counts = {"false_alarms": [], "overstated": [], "silent": ["lamp <1>"]}
+    return {"counts": counts, "budget": 0.05, "overstated_from": 3, "regimes": [row]}
+
+
 class Page(HTMLParser):
     """Every tag is closed, and every address is within the page."""
 
@@ -78,18 +88,21 @@ def test_the_page_holds_everything_and_needs_nothing() -> None:
     surveys = [
         survey_of("knot", ["environment"], 0.05, 0.03), survey_of("vase", ["camera"], 0.05, 0.06)
     ]  # fmt: skip
-    text = page(surveys, [b"<svg/>"] * 2, against())
+    text = page(surveys, [b"<svg/>"] * 2, against(), regimes(), {"lights": b"png"})
     parsed = Page(text)
     assert not parsed.open
-    assert len(parsed.addresses) == 2
-    assert all(a.startswith("data:image/svg+xml;base64,") for a in parsed.addresses)
+    assert [a.split(",")[0] for a in parsed.addresses] == [
+        *["data:image/svg+xml;base64"] * 2, "data:image/png;base64",
+    ]  # fmt: skip
+    assert "Above 5 % and silent: 1 (lamp &lt;1&gt;)" in text
+    assert "<code>lights_left_out</code> 20 %" in text
     assert "a &lt;machine&gt;" in text
     assert ">yes<" in text
     assert 'class="words">environment' in text
     assert ">NO<" in text, "a budget that was promised and broken stands out"
     assert "<td>208</td><td>20</td><td>5.4</td><td>–</td>" in text
     assert "left out: brdf_editing takes no edits of environment" in text
-    assert text == page(surveys, [b"<svg/>"] * 2, against())
+    assert text == page(surveys, [b"<svg/>"] * 2, against(), regimes(), {"lights": b"png"})
 
 
 def test_what_was_measured_is_not_measured_again(
@@ -107,6 +120,13 @@ def test_what_was_measured_is_not_measured_again(
 
     monkeypatch.setattr(report, "plan", plan)
     monkeypatch.setattr(report, "survey", survey)
+
+    def chart(methods: Any, side: int, folder: Path, progress: Any) -> None:
+        (folder / "stability.json").write_text(json.dumps(regimes()))
+        for group in report.GROUPS:
+            (folder / report.stability.sheet_name(group)).write_bytes(b"png")
+
+    monkeypatch.setattr(report.stability, "chart", chart)
     monkeypatch.setattr(report.papers, "compare", lambda progress: against())
     paths = write_report(["cornell-box"], tmp_path, rivals=False, progress=silent)
     assert paths[0].name == "report.html"

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from engine.diagnosis import VOCABULARY
 from engine.measure.machine import this_machine
 from engine.measure.regimes import BUDGET, GROUPS, REGIMES, Outcome, Regime, run
-from engine.measure.stability import counts, markdown, regimes_document, strip, write
+from engine.measure.stability import counts, markdown, regimes_document, write
 from engine.methods import METHODS
 from engine.store import Store
 
@@ -82,5 +80,3 @@ def test_the_document_and_its_pictures(measured: Measure, tmp_path: Path) -> Non
     assert [row["name"] for row in kept["regimes"]] == [o.regime.name for o in outcomes]
     assert kept["regimes"][0]["warnings"] == outcomes[0].sizes
     assert "| lamp 1 mm from a wall | `direct_to_indirect` |" in "\n".join(markdown(document))
-    picture = np.asarray(Image.open(io.BytesIO(strip(outcomes[0]))))
-    assert picture.shape == (SIDE, 3 * SIDE, 3)
