@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.errors import NotFound
-from engine.measure.edges import lamps_seen, scene_edges
+from engine.measure.edges import pixels_that_count
 from engine.measure.false_colour import Difference, difference
 from engine.measure.truth import Truth, known_truth
 from engine.measure.verdict import verdict
@@ -48,9 +48,8 @@ class Compared:
 
     @cached_property
     def kept(self) -> NDArray[np.bool_]:
-        """(h, w): the pixels that count: no edges, no lamps that are seen themselves."""
-        edited = apply(self.scene, self.task.edits)
-        return ~(scene_edges(edited) | lamps_seen(edited))
+        """(h, w): the pixels that count."""
+        return pixels_that_count(apply(self.scene, self.task.edits))
 
     @cached_property
     def difference(self) -> Difference:

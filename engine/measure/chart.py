@@ -76,7 +76,7 @@ def draw(document: dict[str, Any]) -> Figure:
                 place = _cost(point, cost), _percent(point, document)
                 axes.plot(*place, "o", markersize=11, markerfacecolor="none", markeredgecolor="k")
     main = panels[0]
-    main.set_ylabel("relative L² error without edges (%)")
+    main.set_ylabel("relative L² error without edges and lamps (%)")
     _draw_floor(main, document)
     _draw_others(main, document)
     place_labels(figure, main, _labels(document))

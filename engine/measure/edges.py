@@ -91,6 +91,11 @@ def scene_edges(scene: Scene) -> NDArray[np.bool_]:
     )
 
 
+def pixels_that_count(scene: Scene) -> NDArray[np.bool_]:
+    """(h, w): those that errors are taken over: without edges, and without lamps themselves."""
+    return ~(scene_edges(scene) | lamps_seen(scene))
+
+
 def lamps_seen(scene: Scene) -> NDArray[np.bool_]:
     """(h, w): the pixels through which lamps themselves are seen, and those around them.
 

@@ -28,8 +28,9 @@ PAGE = Template("""<!doctype html>
 <meta name="viewport" content="width=device-width, initial-scale=1"><style>$style</style></head>
 <body><h1>Relight: speed against accuracy</h1>
 <p>Every number on this page was measured by <code>relight chart --report</code> on one machine:
-$machine. Times are medians. Errors are relative L² against converged path tracing, pixels with
-edges left out and the references' own noise taken out, on edits that no precompute has seen.</p>
+$machine. Times are medians. Errors are relative L² against converged path tracing, on edits that no
+precompute has seen, without pixels that have edges or show a lamp itself, and with the references'
+own noise taken out.</p>
 $body
 </body></html>
 """)

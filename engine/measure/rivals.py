@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.measure.edges import scene_edges
+from engine.measure.edges import pixels_that_count
 from engine.measure.halves import Halves
 from engine.measure.mitsuba_renderer import Mitsuba, take_fastest
 from engine.measure.probes import nudged
@@ -54,10 +54,10 @@ def rivals(
 
     from engine.measure.mitsuba_scene import differences
 
-    mask = ~scene_edges(scene)
     found: list[dict[str, Any]] = []
     for number, edit in enumerate(edits):
         progress("rivals", number, len(edits))
+        mask = pixels_that_count(apply(scene, edit))
         first, second = (
             truth(scene, edit, reference_error, store or Store(), progress, seed).image
             for seed in (0, 1)

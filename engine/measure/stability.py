@@ -124,8 +124,8 @@ def markdown(document: dict[str, Any]) -> list[str]:
     found, side = document["counts"], document["width"]
     lines = [
         f"{found['regimes']} regimes at {side} x {side} pixels, relative L2 against the path "
-        f"tracer without edges; {found['warnings']} warnings, {found['sized']} of them with a "
-        "size.",
+        f"tracer without edges and lamps; {found['warnings']} warnings, {found['sized']} of them "
+        "with a size.",
         "",
         *(f"- {line}" for line in told_of(document)),
     ]

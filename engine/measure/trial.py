@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engine.measure.edges import scene_edges
+from engine.measure.edges import pixels_that_count
 from engine.measure.held_out import drag_path
 from engine.measure.metrics import Image, Mask, all_metrics, flicker, resolution
 from engine.measure.truth import Truth, truth
@@ -25,7 +25,7 @@ class Trial:
 
     edits   n of them
     truths  the reference of each; empty where only times are asked for
-    kept    (h, w) bool of each, the pixels that count: no edges
+    kept    (h, w) bool of each, the pixels that count: no edges, no lamps themselves
     path    edits of a drag, one after the other, from the first of `edits`; may be empty
     along   the reference of each of those
     """
@@ -99,6 +99,5 @@ def trial_of(
 
 
 def masks_of(scene: Scene, edits: Sequence[Edits]) -> list[Mask]:
-    """Of the picture of every edit the pixels without edges."""
-    same = ~scene_edges(scene)
-    return [~scene_edges(apply(scene, edit)) if edit.camera else same for edit in edits]
+    """Of the picture of every edit the pixels that count."""
+    return [pixels_that_count(apply(scene, edit)) for edit in edits]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.light.table import light_table
+from engine.measure.edges import pixels_that_count
 from engine.methods.base import Progress, silent
 from engine.reference import render
 from engine.scene.edits import Edits, apply
@@ -16,7 +17,7 @@ from engine.scene.scene import Scene
 from engine.store import Entry, Store
 
 # Part of every key: raise it when the reference renderer gives other pictures.
-VERSION = 1
+VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,8 @@ def truth(
 ) -> Truth:
     """The picture of the scene under the edits to a relative L2 error, from the store if it can.
 
-    Each seed has noise of its own; the limits are those of `engine.reference.render`.
+    The error is that of the pixels that count. Each seed has noise of its own; the limits are those
+    of `engine.reference.render`.
     """
     edited = apply(scene, edits)
     entry = store.entry(_name(edited, error, seed, max_bounces, max_seconds))
@@ -58,7 +60,7 @@ def truth(
         return found
     result = render(
         edited, error=error, seed=seed, max_bounces=max_bounces, max_seconds=max_seconds,
-        progress=progress,
+        counted=pixels_that_count(edited), progress=progress,
     )  # fmt: skip
     entry.write(
         "picture",

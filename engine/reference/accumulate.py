@@ -49,9 +49,17 @@ Trace = Callable[[Scene, World, int, NDArray[np.int64], Paths], tuple[NDArray[np
 
 
 def accumulate(
-    scene: Scene, trace: Trace, limits: Limits, seed: int, progress: Progress
+    scene: Scene,
+    trace: Trace,
+    limits: Limits,
+    seed: int,
+    progress: Progress,
+    counted: NDArray[np.bool_] | None = None,
 ) -> Reference:
-    """Make passes over the picture with `trace` until a limit is reached."""
+    """Make passes over the picture with `trace` until a limit is reached.
+
+    counted  (height, width), the pixels whose error is meant; None for all
+    """
     limits.check()
     if not 0 <= seed < 1 << 63:
         raise InputError(f"{seed} is not in [0, 2^63)", field="seed")
@@ -59,6 +67,7 @@ def accumulate(
     packed = world(scene)
     width, height = scene.camera.width, scene.camera.height
     sums = np.zeros((width * height, MOMENTS))
+    meant = slice(None) if counted is None else counted.ravel()
     done = rays = 0
 
     def wave_sums(wave: Wave) -> tuple[NDArray[np.float64], int]:
@@ -69,11 +78,11 @@ def accumulate(
         return part, traced
 
     while True:
-        error = relative_error(*mean_and_variance(sums[:, :6], done)) if done else math.inf
+        error = relative_error(*mean_and_variance(sums[meant, :6], done)) if done else math.inf
         spent = time.perf_counter() - start
         more = limits.next_pass(done, error, spent)
         if more == 0:
-            return reference(sums, height, width, done, spent, rays)
+            return reference(sums, height, width, done, spent, rays, counted)
         total = limits.expected(done, error, spent)
         waves = list(_waves(width * height, done, more))
         for group in range(0, len(waves), WAVES):

@@ -26,6 +26,7 @@ def render(
     max_seconds: float | None = None,
     seed: int = 0,
     max_bounces: int | None = None,
+    counted: NDArray[np.bool_] | None = None,
     progress: Progress = silent,
 ) -> Reference:
     """Path-trace the scene from its camera until any of three limits is reached.
@@ -33,6 +34,7 @@ def render(
     samples, error, max_seconds  see `Limits`; without any of them the error is DEFAULT_ERROR
     max_bounces  reflections after which light is cut off, to compare with methods that do so;
         0 is emission alone, 1 direct light; None follows light to its end (unbiased)
+    counted  (height, width), the pixels whose error is meant; None for all
 
     Equal seeds and sample counts give equal bytes. Raises InputError for values out of range.
     """
@@ -48,7 +50,7 @@ def render(
     ) -> tuple[NDArray[np.float64], int]:
         return _trace(scene, packed, seed, index, rays, last)
 
-    return accumulate(scene, trace, limits, seed, progress)
+    return accumulate(scene, trace, limits, seed, progress, counted)
 
 
 def _trace(

@@ -25,6 +25,7 @@ class Reference:
     samples            per pixel
     seconds            wall-clock
     rays               traced, shadow rays included
+    counted            (height, width), the pixels whose error is meant; None for all
     """
 
     image: NDArray[np.float32]
@@ -35,11 +36,13 @@ class Reference:
     samples: int
     seconds: float
     rays: int
+    counted: NDArray[np.bool_] | None = None
 
     @property
     def error(self) -> float:
         """Estimated relative L2 error of `image`: root of (sum of variances / sum of squares)."""
-        return relative_error(self.image, self.variance)
+        meant = slice(None) if self.counted is None else self.counted
+        return relative_error(self.image[meant], self.variance[meant])
 
 
 def relative_error(mean: NDArray[np.floating], variance: NDArray[np.floating]) -> float:
@@ -88,6 +91,7 @@ def reference(
     samples: int,
     seconds: float,
     rays: int,
+    counted: NDArray[np.bool_] | None = None,
 ) -> Reference:
     """The picture of (pixels, 12) sums."""
     image, variance = mean_and_variance(sums[:, :6], samples)
@@ -105,4 +109,5 @@ def reference(
         samples=samples,
         seconds=seconds,
         rays=rays,
+        counted=counted,
     )

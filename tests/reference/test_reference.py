@@ -12,6 +12,7 @@ import engine.reference
 from engine.errors import Cancelled, InputError
 from engine.reference import render, render_direct
 from engine.reference.limits import Limits
+from engine.reference.result import relative_error
 from engine.scene.build import build
 from engine.scene.camera import Camera
 from engine.scene.edits import edited_camera
@@ -167,6 +168,22 @@ def test_stops_at_the_requested_error():
     assert rough.error <= 0.1
     assert rough.samples < fine.samples
     assert bytes_of(fine) == bytes_of(render(scene, error=0.03))
+
+
+def test_the_error_is_that_of_the_pixels_that_are_meant():
+    scene = open_scene("cornell-box")
+    scene = scene.with_camera(edited_camera(scene.camera, {"width": 24, "height": 24}))
+    meant = np.zeros((24, 24), bool)
+    meant[16:] = True
+    every, some = (render(scene, samples=16, counted=counted) for counted in (None, meant))
+    assert some.image.tobytes() == every.image.tobytes()
+    assert some.error == relative_error(some.image[meant], some.variance[meant])
+    # The lamp is above: its light is known, and most of the picture's.
+    assert some.error > 1.5 * every.error
+    error = 0.5 * some.error
+    tight = render(scene, error=error, counted=meant)
+    assert tight.error <= error
+    assert tight.samples > render(scene, error=error).samples
 
 
 def test_stops_in_time():

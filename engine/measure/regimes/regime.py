@@ -6,9 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
-from engine.measure.edges import scene_edges
+from engine.measure.edges import pixels_that_count
 from engine.measure.metrics import Image, Mask, relative_l2, resolution
 from engine.measure.settings import settings_from
 from engine.measure.truth import Truth, truth
@@ -146,7 +144,7 @@ class _Case:
         return truth(self.scene, edit, self.noise, self.store, self.progress)
 
     def kept(self, edit: Edits) -> Mask:
-        return np.asarray(~scene_edges(apply(self.scene, edit) if edit.camera else self.scene))
+        return pixels_that_count(apply(self.scene, edit))
 
 
 def _mended(
