@@ -60,7 +60,7 @@ def survey(
     kinds = planned.edits
     edits = [edit for kind in kinds for edit in HELD_OUT[kind](scene, EDITS, SEED)]
     noise = NOISE * planned.budget
-    trial = trial_of(scene, edits, noise, store or Store(), progress, drag=True)
+    trial = trial_of(scene, edits, noise, store or Store(), progress)
     chosen = measure(trial, planned.method, PLAN, planned.settings, progress)
     points = [chosen]
     able = [name for name, method in METHODS.items() if set(kinds) <= method.edits]

@@ -47,7 +47,7 @@ def surveyed(
         asked[method] += 1
         return point(method, knob, errors[method][k], 0.01 * (k + 1), seconds)
 
-    def trial_of(scene: Any, edits: Any, *_: Any, drag: bool) -> Trial:
+    def trial_of(scene: Any, edits: Any, *_: Any) -> Trial:
         image = 0.5 * np.ones((8, 8, 3), np.float32)
         truth = Truth(image, 0 * image, 0.0, 0.0, 1)
         kept = np.ones((8, 8), bool)
