@@ -23,7 +23,7 @@ from engine.store import Store
 
 ORDER = "wavelet_brdf", "direct_to_indirect", "glossy_prt", "brdf_editing"
 MARGIN = 0.8  # of the budget that a pilot may use: other edits may be worse
-NOISE = 1.0  # of the budget, in the references, which is taken out again
+NOISE = 1.5  # of the budget, in the references; it is taken out again
 LEAST_ERROR = 0.005  # of a budget
 STALLED = 0.9  # of the error that the rung before had
 
