@@ -24,7 +24,7 @@ from engine.scene.open import open_scene
 from engine.scene.scene import Scene
 
 SCENES = ("cornell-box", "room", "teatray", "knot", "vase", "ring")
-SIDE = 192  # pixels along the longer side of a survey's pictures
+SIDE = 128  # pixels along the longer side of a survey's pictures
 BUDGETS = (0.05, 0.1, 0.2)  # the first that anything holds is planned for
 
 

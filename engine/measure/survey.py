@@ -26,7 +26,7 @@ from engine.scene.scene import Scene
 from engine.store import Store
 
 EDITS, SEED = 4, 1  # of every kind: others than the planner draws
-LONGEST = 60.0  # seconds of a precompute, beyond which no dearer rung is tried
+LONGEST = 20.0  # seconds of a precompute, beyond which no dearer rung is tried
 
 
 def kinds_of(scene: Scene) -> list[tuple[str, ...]]:
