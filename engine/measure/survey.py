@@ -26,7 +26,8 @@ from engine.scene.scene import Scene
 from engine.store import Store
 
 EDITS, SEED = 4, 1  # of every kind: others than the planner draws
-LONGEST = 20.0  # seconds of a precompute, beyond which no dearer rung is tried
+REPEATS = 3  # of every edit's frame, timed
+LONGEST, SLOWEST = 20.0, 0.5  # seconds of a precompute and of a frame, beyond which nobody waits
 
 
 def kinds_of(scene: Scene) -> list[tuple[str, ...]]:
@@ -61,7 +62,7 @@ def survey(
     edits = [edit for kind in kinds for edit in HELD_OUT[kind](scene, EDITS, SEED)]
     noise = NOISE * planned.budget
     trial = trial_of(scene, edits, noise, store or Store(), progress)
-    chosen = measure(trial, planned.method, PLAN, planned.settings, progress)
+    chosen = _measured(trial, planned.method, PLAN, planned.settings, progress)
     points = [chosen]
     able = [name for name, method in METHODS.items() if set(kinds) <= method.edits]
     for number, method in enumerate(able):
@@ -77,12 +78,17 @@ def _climbed(trial: Trial, method: str, progress: Progress) -> Iterator[Point]:
     """The rungs of a method, until one mends nothing or takes too long."""
     before = float("inf")
     for k in range(rungs(method)):
-        point = measure(trial, method, RUNG, settings_at(method, rung(method, k)), progress)
+        point = _measured(trial, method, RUNG, settings_at(method, rung(method, k)), progress)
         yield replace(point, settings={RUNG: k, **point.settings})
         error = point.error[MAIN_ERROR]
-        if point.precompute > LONGEST or error > STALLED * before:
+        too_long = point.precompute > LONGEST or point.frame.median > SLOWEST
+        if too_long or error > STALLED * before:
             return
         before = error
+
+
+def _measured(trial: Trial, method: str, knob: str, settings: Any, progress: Progress) -> Point:
+    return measure(trial, method, knob, settings, progress, repeats=REPEATS)
 
 
 def _kept(planned: Plan, chosen: Point, swept: Sequence[Point], trial: Trial) -> dict[str, Any]:

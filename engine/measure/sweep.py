@@ -170,18 +170,20 @@ def measure(
     settings: Any,
     progress: Progress,
     views: Sequence[Edits] = (),
+    repeats: int = REPEATS,
 ) -> Point:
     """A fresh precompute: its time and size, and its frames of the trial against their truths.
 
-    Of frames of which each has another one of the views, the median time is added to the parts.
+    repeats  of every edit's frame, timed
+    views    of frames of which each has another one of these, the median time is added to the parts
     """
     step = STEP * trial.scene.diagonal
     with fresh(trial.scene, method, settings, progress) as made:
-        frames, timing, parts = time_frames(made.product, trial.edits, REPEATS, step)
+        frames, timing, parts = time_frames(made.product, trial.edits, repeats, step)
         errors = trial.errors([frame.image for frame in frames])
         dragged = [made.product.relight(edit).image for edit in trial.path]
         if views:
-            _, viewing, _ = time_frames(made.product, views, REPEATS, step)
+            _, viewing, _ = time_frames(made.product, views, repeats, step)
             parts[NEW_VIEW] = viewing.median
         return Point(
             method=method,

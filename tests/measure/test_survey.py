@@ -40,7 +40,9 @@ def surveyed(
     scene = scene.with_camera(edited_camera(scene.camera, {"width": 8, "height": 8}))
     asked = dict.fromkeys(errors, 0)
 
-    def measure(trial: Trial, method: str, knob: str, settings: Any, progress: Any) -> Point:
+    def measure(
+        trial: Trial, method: str, knob: str, settings: Any, progress: Any, repeats: int
+    ) -> Point:
         if knob == PLAN:
             return point(method, knob, 0.04, 0.015, seconds)
         k = asked[method]
