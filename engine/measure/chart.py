@@ -19,7 +19,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from engine.measure.document import write_json
 from engine.measure.labels import place_labels
-from engine.measure.points import DEFAULTS, PLAN
+from engine.measure.points import DEFAULTS, PLAN, RUNG
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
@@ -97,7 +97,8 @@ def _labels(document: dict[str, Any]) -> list[tuple[float, float, str, str]]:
         for k, point in enumerate(points):
             value = _short(point["settings"][knob])
             if not _ringed(point):
-                text = f"{name} = {value}" if k == named else value
+                words = method if knob == RUNG else f"{name} = {value}"
+                text = words if k == named else value
                 place = _cost(point, FRAME), _percent(point, document)
                 labels.append((*place, text, COLOURS[number % len(COLOURS)]))
     for point in document["points"]:
