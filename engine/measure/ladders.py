@@ -1,6 +1,7 @@
 """What the planner may choose of every method: its settings, from the cheapest to the dearest.
 
-A rung is one step of all settings at once. Where a setting has fewer steps than others it stays at
+What costs time in a frame stands first, and is lowered first. A rung is one step of all settings at
+once. Where a setting has fewer steps than others it stays at
 its last one. Settings that are not here keep their defaults.
 """
 
@@ -15,9 +16,9 @@ from engine.methods import METHODS
 
 LADDERS: dict[str, dict[str, tuple[Any, ...]]] = {
     "direct_to_indirect": {
-        "gather_samples": (1024, 4096, 16384, 65536, 262144),
         "coefficients": (12, 25, 50, 100, 200, 400),
         "bounce_coefficients": (10, 20, 40, 80),
+        "gather_samples": (1024, 4096, 16384, 65536, 262144),
         "bounces": (0, 1, 2, 3, 5, 8),
         "gloss_coefficients": (10, 20, 40, 80),
         "view_rays": (89, 233, 610, 1597),
