@@ -1,8 +1,8 @@
 """What the planner may choose of every method: its settings, from the cheapest to the dearest.
 
 What costs time in a frame stands first, and is lowered first. A rung is one step of all settings at
-once. Where a setting has fewer steps than others it stays at
-its last one. Settings that are not here keep their defaults.
+once; where a setting has fewer steps than others it stays at its last one. Settings that are not
+here keep their defaults.
 """
 
 from __future__ import annotations
