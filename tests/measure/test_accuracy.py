@@ -66,6 +66,7 @@ def errors(
     }
 
 
+@pytest.mark.sweep
 def test_more_is_more_accurate(document: dict[str, Any]) -> None:
     """Terms where there is gloss, wavelets everywhere."""
     by_terms = errors(document, "red Phong", "direct", "terms")
@@ -81,6 +82,7 @@ def test_more_is_more_accurate(document: dict[str, Any]) -> None:
     }, "one term is exact"
 
 
+@pytest.mark.sweep
 def test_more_bounces_come_closer_to_all_light(document: dict[str, Any]) -> None:
     """Against light that bounces as often the error is about the same however often it does."""
     for material in ("diffuse", "red Phong"):
@@ -95,6 +97,7 @@ def test_more_bounces_come_closer_to_all_light(document: dict[str, Any]) -> None
         assert max(same) < 1.3 * min(same)
 
 
+@pytest.mark.sweep
 def test_a_number_is_what_it_says_it_is(document: dict[str, Any]) -> None:
     """Made again from the parts: a product, a reference of its own noise, and the pixels."""
     scene = stage(ball(RINGS), MATERIALS["diffuse"], SIZE, cuts=CUTS)
@@ -117,6 +120,7 @@ def test_a_number_is_what_it_says_it_is(document: dict[str, Any]) -> None:
     assert (pixels.whole == (pixels.parts["object"] | pixels.parts["floor"])).all()
 
 
+@pytest.mark.sweep
 def test_everything_is_told(document: dict[str, Any], tmp_path: Path) -> None:
     assert set(document["vertices"]) == {"ball", "ball on a floor"}
     assert (

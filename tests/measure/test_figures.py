@@ -46,6 +46,7 @@ def test_a_spot_in_the_sky(sky: tuple) -> None:
     assert elsewhere == pytest.approx(rest * np.array(colour), rel=1e-5)
 
 
+@pytest.mark.sweep
 def test_interreflections(shoot: Shoot) -> None:
     """A bounce brings the picture closer to all light, on matt and on glossy surfaces."""
     sheet = FIGURES[6](shoot)
@@ -68,6 +69,7 @@ def test_terms(shoot: Shoot) -> None:
     assert abs(found[-1]["light"] - 1) < 0.15
 
 
+@pytest.mark.sweep
 def test_wavelets(shoot: Shoot) -> None:
     """At the paper's cube map and on a fine floor: a coarse one hides what wavelets do to a shadow,
     as it is itself farther off.
@@ -81,6 +83,7 @@ def test_wavelets(shoot: Shoot) -> None:
     assert [p["kept"] for p in found] == [n / 24576 for n in off]
 
 
+@pytest.mark.sweep
 def test_gathering(shoot: Shoot) -> None:
     sheet = FIGURES[11](shoot)
     off = {p["gather_texels"]: p["relative_l2"] for p in sheet.document["pictures"]}

@@ -179,6 +179,7 @@ def test_a_range_of_a_million_to_one(make: Make, tmp_path: Path) -> None:
     assert found.min() >= 0
 
 
+@pytest.mark.sweep
 def test_coarse_gather_maps_make_bands(make: Make) -> None:
     """The paper's figure 11: fewer texels for a bounce, more banding; measured against 64."""
     floor = rectangle("floor", [3, 3], [0, -0.51, 0], [-90, 0, 0])
@@ -202,6 +203,7 @@ def test_coarse_gather_maps_make_bands(make: Make) -> None:
     assert errors[3] < 0.005
 
 
+@pytest.mark.sweep
 def test_borders_of_clusters_fade_with_their_error(make: Make) -> None:
     """Neighbouring clusters leave out different things, which a hard light shows."""
     made, lamp = ball(phong(10), size=48), sky(map="studio", rotation_degrees=60)

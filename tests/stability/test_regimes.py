@@ -25,7 +25,8 @@ SILENT = {
 # Of these `make sweep` alone takes care, for they take long.
 SLOW = {
     "glossy and coarse", "small bright patch", "tiny light and closed white room",
-    "sun of four texels that grazes", "occluders of a hundred vertices",
+    "sun of four texels", "sun of four texels that grazes", "sharp gloss in four terms",
+    "occluders of a hundred vertices",
 }  # fmt: skip
 QUICK = [regime for regime in REGIMES if regime.name not in SLOW]
 Measure = Callable[[Regime], Outcome]

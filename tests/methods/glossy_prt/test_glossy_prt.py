@@ -164,6 +164,7 @@ def test_direct_light_agrees_with_the_reference(
     assert relative(found, true.image, kept) < most + noise
 
 
+@pytest.mark.sweep
 def test_of_a_brushed_metal_in_hard_light_four_terms_are_not_enough(make: Make) -> None:
     """42 % off on the ball at the paper's K, though its energy is right: 19 % at 16, 6 % at 64."""
     made = still_life(BRUSHED, segments=4)
