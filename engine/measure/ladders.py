@@ -1,8 +1,9 @@
 """What the planner may choose of every method: its settings, from the cheapest to the dearest.
 
-What costs time in a frame stands first, and is lowered first. A rung is one step of all settings at
-once; where a setting has fewer steps than others it stays at its last one. Settings that are not
-here keep their defaults.
+What costs time in a frame stands first, and is lowered first. Steps of what costs little are wide,
+so that a rung that has enough of it has not too much of what costs a lot. A rung is one step of
+all settings at once; where a setting has fewer steps than others it stays at its last one. Settings
+that are not here keep their defaults.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ LADDERS: dict[str, dict[str, tuple[Any, ...]]] = {
         "coefficients": (12, 25, 50, 100, 200, 400),
         "bounce_coefficients": (10, 20, 40, 80),
         "gather_samples": (1024, 4096, 16384, 65536, 262144),
-        "bounces": (0, 1, 2, 3, 5, 8),
+        "bounces": (0, 1, 3, 8),
         "gloss_coefficients": (10, 20, 40, 80),
         "view_rays": (89, 233, 610, 1597),
         "gloss_rays": (89, 233, 610, 1597),
@@ -28,7 +29,7 @@ LADDERS: dict[str, dict[str, tuple[Any, ...]]] = {
         "terms": (1, 2, 4, 8, 16),
         "cluster_error": (0.3, 0.2, 0.1, 0.05, 0.02, 0.01),
         "light_texels": (16, 32, 64),
-        "bounces": (0, 1, 2, 4),
+        "bounces": (0, 1, 4),
         "gather_texels": (8, 16, 32),
     },
     "brdf_editing": {
@@ -36,7 +37,7 @@ LADDERS: dict[str, dict[str, tuple[Any, ...]]] = {
         "second_bands": (1, 8, 16),
         "gather_samples": (1024, 4096, 16384, 65536),
         "view_rays": (64, 128, 256, 512, 1024),
-        "bounces": (0, 1, 2, 3, 5),
+        "bounces": (0, 2, 5, 8),
     },
     "wavelet_brdf": {
         "cells": (16, 32, 64),

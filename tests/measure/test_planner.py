@@ -64,16 +64,16 @@ def test_what_matters_is_raised_and_nothing_else() -> None:
     choice, _ = chosen(error, 0.05)
     assert choice.holds
     assert choice.settings == {
-        **rung("direct_to_indirect", 0), "coefficients": 25, "bounces": 2,
+        **rung("direct_to_indirect", 0), "coefficients": 25, "bounces": 3,
     }  # fmt: skip
     for name in ("coefficients", "bounces"):
         steps = LADDERS["direct_to_indirect"][name]
         lower = steps[steps.index(choice.settings[name]) - 1]
         assert error({**choice.settings, name: lower}) > 0.8 * 0.05
     tight, _ = chosen(error, 0.03)
-    assert (tight.settings["coefficients"], tight.settings["bounces"]) == (50, 2)
+    assert (tight.settings["coefficients"], tight.settings["bounces"]) == (50, 3)
     (reason,) = [r for r in tight.reasons if r.startswith("bounces")]
-    assert reason == "bounces = 2: 1 would be 4.0 % off"
+    assert reason == "bounces = 3: 1 would be 4.0 % off"
 
 
 @pytest.mark.parametrize("first", range(8))
