@@ -193,7 +193,7 @@ def sheet(group: str, outcomes: Sequence[Outcome], document: dict[str, Any]) -> 
 
 def _pictures(outcome: Outcome) -> Row:
     exposure = auto_exposure(outcome.reference)
-    said = ", ".join(outcome.sizes) or "nothing said"
+    said = "\n".join(outcome.sizes) or "nothing said"
     return Row(
         outcome.regime.name,
         [
