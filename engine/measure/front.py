@@ -16,8 +16,7 @@ from engine.errors import InputError
 from engine.measure.held_out import kind_of_edits
 from engine.measure.ladders import rung, rungs, settings_at
 from engine.measure.pilots import Cost, Pilots
-from engine.measure.planner import STALLED
-from engine.measure.survey import kinds_of
+from engine.measure.survey import STALLED, kinds_of
 from engine.measure.truth import picture_digest
 from engine.methods import METHODS
 from engine.methods.base import Progress, silent

@@ -25,7 +25,6 @@ ORDER = "wavelet_brdf", "direct_to_indirect", "glossy_prt", "brdf_editing"
 MARGIN = 0.8  # of the budget that a pilot may use: other edits may be worse
 NOISE = 1.5  # of the budget, in the references; it is taken out again
 LEAST_ERROR = 0.005  # of a budget
-STALLED = 0.9  # of the error that the rung before had
 
 
 @dataclass(frozen=True)
@@ -161,8 +160,9 @@ def _choose(method: str, pilots: Pilots, budget: float) -> _Choice:
     while cost_of(settings).error > bound and k + 1 < rungs(method):
         k += 1
         before, settings = cost_of(settings).error, rung(method, k)
-        # What one rung does not mend the next will not either.
-        if bound < cost_of(settings).error > STALLED * before:
+        error, left = cost_of(settings).error, rungs(method) - 1 - k
+        # At the rate of this rung, those that are left would not do.
+        if error > bound and error * (error / before) ** left > bound:
             break
     if cost_of(settings).error > bound:
         # Nothing holds it: what is nearest, as cheap as it can be without being worse.

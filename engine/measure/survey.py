@@ -16,7 +16,7 @@ from engine.measure.held_out import HELD_OUT
 from engine.measure.ladders import rung, rungs, settings_at
 from engine.measure.machine import this_machine
 from engine.measure.others import others
-from engine.measure.planner import NOISE, STALLED, Plan
+from engine.measure.planner import NOISE, Plan
 from engine.measure.points import MAIN_ERROR, PLAN, RUNG, Point, Sweep
 from engine.measure.sweep import measure
 from engine.measure.trial import Trial, trial_of
@@ -27,6 +27,7 @@ from engine.store import Store
 
 EDITS, SEED = 4, 1  # of every kind: others than the planner draws
 REPEATS = 3  # of every edit's frame, timed
+STALLED = 0.9  # of the error that the rung before had
 LONGEST, SLOWEST = 20.0, 0.5  # seconds of a precompute and of a frame, beyond which nobody waits
 
 

@@ -95,7 +95,7 @@ def test_what_cannot_be_held_is_said() -> None:
     assert not choice.holds
     assert choice.settings["bounces"] == 1
     assert choice.reasons == ["no setting comes below 19.9 %"]
-    assert made_up.asked == 2, "what a rung does not mend the next will not"
+    assert made_up.asked == 2, "at this rate no rung will do"
 
 
 def test_edits_that_no_method_takes_together_are_refused() -> None:
