@@ -45,8 +45,7 @@ SHRINKS = 0.7
 class Cost:
     """What a setting gives and takes.
 
-    error       relative L2 over the pixels that count, mean over the edits but the worst, which may
-                have a light that nearly touches something
+    error       relative L2 over the pixels that count, mean over the edits
     frame       seconds from edit to linear frame
     bytes       transport
     precompute  seconds
@@ -92,7 +91,7 @@ class Pilots:
                 image, truth = image - direct.image, direct.others
             off = _power(image - truth.image, truth.variance, kept)
             errors.append(math.sqrt(off / direct.power + own**2))
-        return replace(cost, error=float(np.mean(sorted(errors)[:-1])))
+        return replace(cost, error=float(np.mean(errors)))
 
     def whole(self, method: str, settings: Any, small: Cost) -> Cost:
         """For all pixels, from what a few more of them cost."""
