@@ -17,7 +17,8 @@ body { font: 15px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto
 h1, h2, h3 { line-height: 1.2 } h2 { margin-top: 3rem }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: 13px }
 th, td { padding: .25rem .6rem; border-bottom: 1px solid #8884; text-align: right }
-th { text-align: right; vertical-align: bottom } .words { text-align: left }
+th { text-align: right; vertical-align: bottom }
+.words { text-align: left } td:not(.words) { white-space: nowrap }
 .wide { overflow-x: auto } .bad { color: #d55e00; font-weight: 600 }
 figure { margin: 1rem 0 } img { width: 100%; background: white }
 .small { color: #888; font-size: 13px }
