@@ -32,7 +32,10 @@ LONGEST, SLOWEST = 20.0, 0.5  # seconds of a precompute and of a frame, beyond w
 
 
 def kinds_of(scene: Scene) -> list[tuple[str, ...]]:
-    """What one would edit in a scene: that of which it has any, each alone."""
+    """What one would edit in a scene: that of which it has any, each alone.
+
+    The camera where no lamps shine, which no method carries together with indirect light for it.
+    """
     found: list[tuple[str, ...]] = []
     if scene.lights:
         found.append(("lights",))
@@ -72,7 +75,7 @@ def survey(
     progress("methods", len(able), len(able))
     rest = others(trial, None, rivals, progress)
     document = sweep_document(Sweep(trial, points, rest, SEED), this_machine())
-    return {**document, "kinds": list(kinds), "plan": _kept(planned, chosen, points[1:], trial)}
+    return {**document, "kinds": list(kinds), "plan": _kept(planned, chosen, points[1:])}
 
 
 def _climbed(trial: Trial, method: str, progress: Progress) -> Iterator[Point]:
@@ -92,7 +95,7 @@ def _measured(trial: Trial, method: str, knob: str, settings: Any, progress: Pro
     return measure(trial, method, knob, settings, progress, repeats=REPEATS)
 
 
-def _kept(planned: Plan, chosen: Point, swept: Sequence[Point], trial: Trial) -> dict[str, Any]:
+def _kept(planned: Plan, chosen: Point, swept: Sequence[Point]) -> dict[str, Any]:
     """The plan as JSON, what it came to, and the fastest swept setting that holds the budget."""
     holding = [p for p in swept if p.error[MAIN_ERROR] <= planned.budget]
     best = min((p.frame.median for p in holding), default=None)
