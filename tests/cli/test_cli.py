@@ -302,12 +302,12 @@ def test_chart_of_a_small_sweep(relight: Relight) -> None:
 
 
 def test_a_plan_in_words_and_as_json(relight: Relight) -> None:
-    asked = ["plan", "cornell-box", "--edits", "lights", "--error", "0.6", "--size", "16x16"]
+    asked = ["plan", "cornell-box", "--edits", "lights", "--error", "0.75", "--size", "16x16"]
     run = relight(*asked, "--method", "wavelet_brdf")
     assert run.returncode == 0, run.stderr
     first, *others = run.stdout.splitlines()
     assert first.startswith("wavelet_brdf: ")
-    assert "which holds 60 %" in first
+    assert "which holds 75 %" in first
     assert any("cells = 16: the least is enough" in line for line in others)
     document = json.loads(relight(*asked, "--method", "wavelet_brdf", "--json").stdout)
     assert document["method"] == "wavelet_brdf"
@@ -319,7 +319,7 @@ def test_a_plan_in_words_and_as_json(relight: Relight) -> None:
 
 def test_an_error_in_place_of_a_method_and_its_settings(relight: Relight) -> None:
     """A newcomer asks for an error; what is planned is what is made and drawn."""
-    small = ["cornell-box", "--error", "0.6", "--size", "16x16"]
+    small = ["cornell-box", "--error", "0.75", "--size", "16x16"]
     run = relight("precompute", *small, "--edits", "lights")
     assert run.returncode == 0, run.stderr
     first, *others = run.stdout.splitlines()

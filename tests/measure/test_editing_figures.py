@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -44,8 +43,11 @@ def test_caustics_need_gloss_behind_the_first_bounce(session: Session) -> None:
         assert caustics[name, "(64, 16)"] < caustics[name, "(64, 1)"]
 
 
-def test_figures_are_charted(tmp_path: Path, session: Session) -> None:
-    """Every figure has a maker, and each says which it is."""
+def test_figures_have_makers() -> None:
     assert sorted(FIGURES) == [1, 4, 6, 7, 9, 11, 12]
+
+
+@pytest.mark.sweep
+def test_figures_are_charted(session: Session) -> None:
     found = numbers(session, 9, "relative_l2")
     assert max(found.values()) < 0.3
