@@ -7,9 +7,10 @@ from typing import Any
 from engine.measure.regimes.regime import AS_IT_IS, BUDGET, NOISE, MakeScene, Regime
 from engine.measure.regimes.stages import (
     BEHIND,
+    COARSER,
     GREY,
     LAMP,
-    POINT,
+    LIT,
     Described,
     ball_alone,
     ball_on_floor,
@@ -24,8 +25,6 @@ from engine.scene.builtin.pieces import matt
 from engine.scene.edits import Edits
 
 SOFT: Described = {**LAMP, "position": [0.3, 0.8, 0.1], "width": 0.8, "height": 0.8}
-LIT: Described = {**POINT, "position": [0.8, 1, 1.6], "intensity": [4, 3, 2]}
-COARSER: dict[str, Any] = {"light_texels": 32, "visibility_texels": 64}
 FEWER: dict[str, Any] = {"gather_samples": 4096}
 MATT_ROOM = of(room, wall=matt(0.6, 0.5, 0.3), lights=[BEHIND])
 GLOSSY_FLOOR = of(hall, blinn(30, 0.3), matt(0.7, 0.3, 0.2), [{**LAMP, "intensity": [4] * 3}])
@@ -71,7 +70,7 @@ AT_EASE = (
         "studio turned, fixed view",
         "direct_to_indirect",
         STUDIO,
-        Edits(environment={"rotation_degrees": 70}),
+        TURNED,
         **FEWER,
     ),
     _easy("studio", "glossy_prt", STUDIO, **COARSER),
@@ -79,14 +78,14 @@ AT_EASE = (
         "studio turned",
         "glossy_prt",
         STUDIO,
-        Edits(environment={"rotation_degrees": 70}),
+        TURNED,
         **COARSER,
     ),
     _easy(
         "studio from elsewhere",
         "glossy_prt",
         STUDIO,
-        Edits(camera={"position": [2, 1.5, 2]}),
+        ELSEWHERE,
         **COARSER,
     ),
     _easy("satin ball in the studio", "glossy_prt", SATIN, **COARSER),

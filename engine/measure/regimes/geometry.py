@@ -8,6 +8,7 @@ import numpy as np
 
 from engine.measure.regimes.regime import Mend, Regime
 from engine.measure.regimes.stages import (
+    COARSER,
     GREY,
     POINT,
     Described,
@@ -133,7 +134,7 @@ GEOMETRY = (
         0.3,
         codes=("mesh_too_coarse",),
         mend=Mend("48 cuts for 3", scene=of(ball_on_floor, GREY, GREY, cuts=48, environment=SUN)),
-        small={"light_texels": 32, "visibility_texels": 64},
+        small=COARSER,
     ),
     Regime(
         "occluders of a hundred vertices",
@@ -144,7 +145,7 @@ GEOMETRY = (
         {"occluder_vertices": 100},
         codes=("occluders_too_simple",),
         mend=Mend("occluder_vertices 0", {"occluder_vertices": 0}),
-        small={"light_texels": 32, "visibility_texels": 64},
+        small=COARSER,
     ),
     Regime(
         "bumpy ground from afar",

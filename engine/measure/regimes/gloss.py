@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from engine.measure.regimes.regime import Mend, Regime
 from engine.measure.regimes.stages import (
+    COARSER,
     GREY,
     LAMP,
     POINT,
@@ -69,7 +70,7 @@ GLOSS = (
         {"bounces": 0},
         codes=("too_glossy_for_terms",),
         mend=Mend("terms 16", {"terms": 16}),
-        small={"light_texels": 32, "visibility_texels": 64},
+        small=COARSER,
     ),
     Regime(
         "near mirror of few elements",

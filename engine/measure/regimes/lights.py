@@ -9,8 +9,10 @@ import numpy as np
 from engine.measure.probes import many_lights
 from engine.measure.regimes.regime import Mend, Regime
 from engine.measure.regimes.stages import (
+    COARSER,
     GREY,
     LAMP,
+    LIT,
     POINT,
     Described,
     ball_alone,
@@ -198,7 +200,7 @@ LIGHTS = (
         0.3,
         codes=("lights_left_out",),
         mend=Mend("direct_to_indirect", {"gather_samples": 4096}, "direct_to_indirect"),
-        small={"light_texels": 32, "visibility_texels": 64},
+        small=COARSER,
     ),
     Regime(
         "lamp mirrored sharply",
@@ -225,7 +227,7 @@ LIGHTS = (
             ball_alone,
             GREY,
             environment={"map": [0.5] * 3, "background": False},
-            lights=[{**POINT, "position": [0.8, 1, 1.6], "intensity": [4, 3, 2]}],
+            lights=[LIT],
         ),
         0.85,
         codes=("environment_left_out",),

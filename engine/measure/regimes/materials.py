@@ -9,8 +9,9 @@ import numpy as np
 from engine.measure.regimes.regime import Mend, Regime
 from engine.measure.regimes.stages import (
     BEHIND,
+    COARSER,
     GREY,
-    POINT,
+    LIT,
     Described,
     ball_alone,
     built,
@@ -62,7 +63,7 @@ def checked(side: int, **light: object) -> Scene:
     return with_picture(make, np.repeat(rough, 3, axis=2).astype(np.float32), "rough.png")
 
 
-LIT = {"lights": [{**POINT, "position": [0.8, 1, 1.6], "intensity": [4, 3, 2]}]}
+BY_LAMP = {"lights": [LIT]}
 STUDIO = {"environment": {"map": "studio", "background": False}}
 
 MATERIALS = (
@@ -84,7 +85,7 @@ MATERIALS = (
         0.75,
         codes=("bounces_truncated",),
         mend=Mend("bounces 6", {"bounces": 6}),
-        small={"light_texels": 32, "visibility_texels": 64},
+        small=COARSER,
     ),
     Regime(
         "wall painted white",
@@ -110,7 +111,7 @@ MATERIALS = (
         "code of 14 kB",
         "wavelet_brdf",
         "Too few bytes for what the material does.",
-        of(ball_alone, {"type": "measured", "file": "brushed"}, **LIT),
+        of(ball_alone, {"type": "measured", "file": "brushed"}, **BY_LAMP),
         0.45,
         {"bytes": 14000},
         codes=("code_too_small",),
@@ -120,7 +121,7 @@ MATERIALS = (
         "texture of roughness from afar",
         "wavelet_brdf",
         "A material with textures is drawn by its formula, at the finest detail.",
-        of(checked, **LIT),
+        of(checked, **BY_LAMP),
         0.08,
         codes=("drawn_by_formula",),
     ),
@@ -132,13 +133,13 @@ MATERIALS = (
         0.9,
         codes=("textures_left_out",),
         mend=Mend("direct_to_indirect", {"gather_samples": 1024}, "direct_to_indirect"),
-        small={"light_texels": 32, "visibility_texels": 64},
+        small=COARSER,
     ),
     Regime(
         "texture of roughness in hand",
         "brdf_editing",
         "Elements are of a material as a whole, while it is in hand.",
-        of(checked, **LIT),
+        of(checked, **BY_LAMP),
         0.9,
         {"gather_samples": 1024},
         Edits(materials={"ball": {"specular": [0.6] * 3}}),

@@ -28,7 +28,11 @@ LAMP: Described = {
     "up": [0, 0, 1], "width": 0.5, "height": 0.5, "intensity": [16] * 3,
 }  # fmt: skip
 
+LIT: Described = {**POINT, "position": [0.8, 1, 1.6], "intensity": [4, 3, 2]}  # from aside
 BEHIND: Described = {**LAMP, "position": [0, 0.9, 0.75], "target": [0, -1, 0.75]}  # the eye
+
+COARSER: dict[str, Any] = {"light_texels": 32, "visibility_texels": 64}
+"""Settings of `glossy_prt` for small pictures."""
 
 
 def built(folder: Path = Path(), **document: Any) -> Scene:

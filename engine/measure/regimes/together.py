@@ -8,6 +8,7 @@ from engine.measure.regimes.materials import WHITE
 from engine.measure.regimes.regime import Mend, Regime
 from engine.measure.regimes.stages import (
     BEHIND,
+    COARSER,
     LAMP,
     POINT,
     Described,
@@ -69,7 +70,7 @@ TOGETHER = (
             {"terms": 16},
             scene=of(ball_on_floor, phong(100, 0.05), phong(100, 0.3, 0.3), environment=SUN),
         ),
-        small={"light_texels": 32, "visibility_texels": 64},
+        small=COARSER,
     ),
     Regime(
         "sharp gloss in a closed room",
