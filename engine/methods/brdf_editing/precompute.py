@@ -26,14 +26,22 @@ from engine.methods.fixed_view.gather import ENVIRONMENT, cosine_lobes, gather_c
 from engine.methods.fixed_view.importance import wavelet_importance
 from engine.methods.fixed_view.nearest import build_grid
 from engine.methods.fixed_view.rows import PackedRows, no_rows
-from engine.methods.fixed_view.stored import gather_job, product_key, stored_cloud
+from engine.methods.fixed_view.stored import gather_job, part_key, stored_cloud
 from engine.methods.fixed_view.tiles import run_tiles
 from engine.methods.fixed_view.view import View
 from engine.scene.scene import Scene
 from engine.store import Store
 
 VERSION = 2  # of the stored arrays and of what they mean
-AT_RUN_TIME = ("bands", "second_bands", "basis", "bounces")
+
+_CLOUD = ("gather_samples", "position_weight", "seed")
+NEEDS = {
+    "cloud": _CLOUD,
+    "bounce": (*_CLOUD, "bounce_rays", "bounce_coefficients"),
+    "links": (*_CLOUD, "view_rays", "lobe_rays", "lobe_exponent"),
+    "second-links": _CLOUD,
+}
+"""The settings that each stored part depends on, of which another one is made for others."""
 
 Work = tuple[Callable[[int], Arrays], int]
 """What makes a chunk of its number, and how many there are."""
@@ -43,12 +51,11 @@ def precompute(
     scene: Scene, settings: Settings, executor: Executor, progress: Progress, store: Store
 ) -> Polynomial:
     """The transport of a scene: read from the store, finished from its chunks, or made."""
-    entry = store.entry(key(scene, settings))
-    parts = store.entry(key(scene, settings) + ".parts")
     progress("view samples", 0, 1)
     view = View(scene)
     progress("view samples", 1, 1)
-    cloud = stored_cloud(entry, view, settings, "uniform", progress)
+    cloud_entry = store.entry(key(scene, settings, "cloud"))
+    cloud = stored_cloud(cloud_entry, view, settings, "uniform", progress)
 
     def made(name: str, job: Callable[[], Work]) -> Arrays:
         """Arrays from the store, or from the chunks that `job` tells how to make, and how many."""
@@ -56,12 +63,15 @@ def precompute(
         def told(_: str, done: float, total: float) -> None:
             progress(name, done, total)
 
+        name_of = key(scene, settings, name)
+        entry, parts = store.entry(name_of), store.entry(name_of + ".parts")
         stored = entry.read(name)
         if stored is not None:
             return dict(stored.arrays)
         make, chunks = job()
         arrays = run_chunks(make, chunks, name, parts, executor, told)
         entry.write(name, arrays, {})
+        parts.remove()
         return arrays
 
     bounce = made("bounce", lambda: _bounces(scene, settings, cloud))
@@ -75,7 +85,6 @@ def precompute(
     second = None
     if settings.second_bands > 1:
         second = made("second-links", lambda: _second_links(scene, cloud))["sample"]
-    parts.remove()
     rows = PackedRows(*(bounce[name] for name in PackedRows._fields))
     transport = Transport(rows, sample, (*scene.lights, *suns), environment, second)
     return Polynomial(view, settings, cloud, transport)
@@ -87,9 +96,9 @@ def _environment_light(cloud: GatherCloud, rows: PackedRows) -> EnvironmentLight
     return EnvironmentLight(white, EnvironmentRows(rows, no_rows(0), no_rows(0)), {})
 
 
-def key(scene: Scene, settings: Settings) -> str:
-    """Name of the stored product: a digest of all that it depends on."""
-    return product_key(NAME, VERSION, scene, settings, AT_RUN_TIME)
+def key(scene: Scene, settings: Settings, part: str) -> str:
+    """Name of a stored part of NEEDS: a digest of all that it depends on."""
+    return part_key(NAME, VERSION, scene, settings, NEEDS[part])
 
 
 def _bounces(scene: Scene, settings: Settings, cloud: GatherCloud) -> Work:

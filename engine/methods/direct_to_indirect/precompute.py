@@ -22,7 +22,7 @@ from engine.methods.fixed_view.frame_buffer import Points
 from engine.methods.fixed_view.gather import ENVIRONMENT, Job, Lobes, cosine_lobes, gather_chunk
 from engine.methods.fixed_view.importance import wavelet_importance
 from engine.methods.fixed_view.rows import PackedRows, no_rows
-from engine.methods.fixed_view.stored import gather_job, product_key, stored_cloud
+from engine.methods.fixed_view.stored import gather_job, part_key, stored_cloud
 from engine.methods.fixed_view.tiles import pixel_tiles, run_tiles
 from engine.methods.fixed_view.view import View, gloss_of
 from engine.scene.scene import Scene
@@ -30,28 +30,37 @@ from engine.store import Store
 
 VERSION = 13  # of the stored arrays and of what they mean
 
-# Settings that the matrices do not depend on.
-AT_RUN_TIME = ("bounces",)
-
 # Wavelets of the environment by those of surfaces. Gloss shows the environment's details.
 OF_ENVIRONMENT = {"bounce": 0.5, "final": 0.5, "gloss": 1.5}
 
 # One bounce, F_d and F_g.
 MATRICES = ("bounce", "final", "gloss")
 
+_CLOUD = ("gather_samples", "cloud", "position_weight", "seed")
+_VIEW = (*_CLOUD, "gather", "patch_size", "link_size", "opening_rays")
+NEEDS = {
+    "cloud": _CLOUD,
+    "bounce": (
+        *(*_CLOUD, "gather", "patch_size"),
+        *("bounce_coefficients", "bounce_rays", "bounce_link_size"),
+    ),
+    "final": (*_VIEW, "coefficients", "view_rays"),
+    "gloss": (*_VIEW, "gloss_coefficients", "gloss_rays"),
+}
+"""The settings that each stored part depends on, of which another one is made for others."""
+
 
 def precompute(
     scene: Scene, settings: Settings, executor: Executor, progress: Progress, store: Store
 ) -> Transfer:
     """The transfer of a scene: read from the store, finished from its chunks, or made."""
-    entry = store.entry(key(scene, settings))
-    parts = store.entry(key(scene, settings) + ".parts")
     progress("view samples", 0, 1)
     view = View(scene)
     progress("view samples", 1, 1)
 
-    stored = {name: entry.read(name) for name in MATRICES}
-    cloud = stored_cloud(entry, view, settings, settings.cloud, progress)
+    entries = {name: store.entry(key(scene, settings, name)) for name in NEEDS}
+    stored = {name: entries[name].read(name) for name in MATRICES}
+    cloud = stored_cloud(entries["cloud"], view, settings, settings.cloud, progress)
 
     # Each matrix is finished before it is stored, its chunks are let go after that.
     rows, beyond = {}, {}
@@ -68,15 +77,16 @@ def precompute(
         if importance is None:
             importance = wavelet_importance(scene, cloud, settings.seed)
         job = _job(name, settings, view, cloud, tiles, importance)
+        parts = store.entry(key(scene, settings, name) + ".parts")
         made = run_chunks(partial(gather_chunk, job), job.chunks, name, parts, executor, progress)
         meta = {
             "settings": asdict(settings),
             "rays": int(made["rays"].sum()),
             "kept": float(made["kept"].mean()),
         }
-        entry.write(name, {k: a for k, a in made.items() if k not in meta}, meta)
+        entries[name].write(name, {k: a for k, a in made.items() if k not in meta}, meta)
+        parts.remove()
         rows[name], beyond[name] = _both(made)
-    parts.remove()
     return Transfer(view, settings, cloud, **rows, environment=EnvironmentRows(**beyond))
 
 
@@ -89,9 +99,9 @@ def _both(arrays: Mapping[str, NDArray[Any]]) -> tuple[PackedRows, PackedRows]:
     )
 
 
-def key(scene: Scene, settings: Settings) -> str:
-    """Name of the stored product: a digest of all that it depends on."""
-    return product_key(NAME, VERSION, scene, settings, AT_RUN_TIME)
+def key(scene: Scene, settings: Settings, part: str) -> str:
+    """Name of a stored part of NEEDS: a digest of all that it depends on."""
+    return part_key(NAME, VERSION, scene, settings, NEEDS[part])
 
 
 def _tiles(name: str, view: View, cloud: GatherCloud) -> NDArray[np.int32]:

@@ -1,10 +1,9 @@
-"""What fixed-view methods store alike: where a product lies, its gather cloud, its gather jobs."""
+"""What fixed-view methods store alike: where its parts lie, their gather cloud, gather jobs."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Collection
-from dataclasses import asdict
 from typing import Any
 
 from engine.methods.base import Progress
@@ -22,16 +21,16 @@ from engine.scene.scene import Scene
 from engine.store import Entry
 
 
-def product_key(
-    method: str, version: int, scene: Scene, settings: Any, at_run_time: Collection[str]
+def part_key(
+    method: str, version: int, scene: Scene, settings: Any, needed: Collection[str]
 ) -> str:
-    """Name of the stored product: a digest of all that it depends on.
+    """Name of a stored part of a product: a digest of all that it depends on.
 
-    version is that of the method's arrays; they do not depend on the settings `at_run_time`.
+    version is that of the method's arrays; of the settings they depend on those that are `needed`.
     """
     digest = hashlib.blake2b(digest_size=16)
-    fixed = {k: v for k, v in asdict(settings).items() if k not in at_run_time}
-    for part in (method, version, scene.transport_digest, scene.camera.model_dump_json(), fixed):
+    chosen = {name: getattr(settings, name) for name in sorted(needed)}
+    for part in (method, version, scene.transport_digest, scene.camera.model_dump_json(), chosen):
         digest.update(f"{part}\n".encode())
     return digest.hexdigest()
 

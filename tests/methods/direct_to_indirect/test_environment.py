@@ -17,7 +17,7 @@ from engine.light.environment_samples import places_on_map, seen_radiance
 from engine.measure.edges import scene_edges
 from engine.methods import prepare
 from engine.methods.direct_to_indirect import Settings, Transfer
-from engine.methods.direct_to_indirect.precompute import key
+from engine.methods.direct_to_indirect.precompute import NEEDS, key
 from engine.methods.fixed_view.preview import DirectPreview
 from engine.reference import render
 from engine.scene.edits import Edits, apply, edited_camera
@@ -352,7 +352,9 @@ def test_the_living_room_is_lit_through_its_windows(make: Make, shared_data: Pat
 def test_the_transport_does_not_depend_on_the_environment() -> None:
     room = window_room()
     for fields in ({"map": "studio"}, {"intensity": 0}, {"rotation_degrees": 10}):
-        assert key(apply(room, sky(**fields)), Settings()) == key(room, Settings())
+        lit = apply(room, sky(**fields))
+        for part in NEEDS:
+            assert key(lit, Settings(), part) == key(room, Settings(), part)
 
 
 def test_the_preview_takes_the_same_edits(make: Make) -> None:

@@ -17,7 +17,7 @@ from methods.scenes import POINT, cornell, white_room, with_camera
 from engine.errors import Cancelled
 from engine.methods import prepare
 from engine.methods.direct_to_indirect import Settings, Transfer
-from engine.methods.direct_to_indirect.precompute import key
+from engine.methods.direct_to_indirect.precompute import NEEDS, key
 from engine.numerics.parallel import mark_worker
 from engine.scene.edits import Edits
 from engine.scene.scene import Scene
@@ -134,8 +134,8 @@ def test_an_interrupted_precompute_resumes(
     # In order the executor finishes all that it is given: one of bounce, then three of final.
     assert first.chunks == (1 if stop_at == "bounce" else 4)
     assert first.chunks + second.chunks == 4
-    parts = Store(tmp_path).entry(key(box, SETTINGS) + ".parts")
-    assert not parts.folder.exists()
+    for name in NEEDS:
+        assert not Store(tmp_path).entry(key(box, SETTINGS, name) + ".parts").folder.exists()
 
 
 def test_a_lost_chunk_is_made_again(box: Scene, tmp_path: Path, expected: str) -> None:
@@ -147,7 +147,7 @@ def test_a_lost_chunk_is_made_again(box: Scene, tmp_path: Path, expected: str) -
 
     with pytest.raises(Cancelled):
         made(box, tmp_path, executor=Counting(), progress=stop)
-    parts = Store(tmp_path).entry(key(box, SETTINGS) + ".parts")
+    parts = Store(tmp_path).entry(key(box, SETTINGS, "final") + ".parts")
     assert {"final-0", "final-1", "final-2"} <= set(parts.names())
     damage(parts.folder / "final-1.relight")
     again = Counting()
@@ -177,7 +177,7 @@ def test_a_broken_file_is_built_again(
     box: Scene, tmp_path: Path, expected: str, name: str, chunks: int, how: str
 ) -> None:
     made(box, tmp_path)
-    path = Store(tmp_path).entry(key(box, SETTINGS)).folder / f"{name}.relight"
+    path = Store(tmp_path).entry(key(box, SETTINGS, name)).folder / f"{name}.relight"
     if how == "damaged":
         damage(path)
     elif how == "cut":
@@ -222,16 +222,20 @@ def test_progress_runs_forward_through_named_phases(tmp_path: Path) -> None:
 
 def test_the_key_knows_what_matters() -> None:
     """Geometry, materials, camera and settings; neither lights nor bounces."""
+
+    def keys(scene: Scene, settings: Settings) -> tuple[str, ...]:
+        return tuple(key(scene, settings, part) for part in NEEDS)
+
     room = white_room(0.5, [POINT], 8)
-    plain = key(room, SETTINGS)
-    assert plain == key(white_room(0.5, [], 8), SETTINGS)
-    assert plain == key(room, Settings(**{**SETTINGS.__dict__, "bounces": 7}))
+    plain = keys(room, SETTINGS)
+    assert plain == keys(white_room(0.5, [], 8), SETTINGS)
+    assert plain == keys(room, Settings(**{**SETTINGS.__dict__, "bounces": 7}))
     others = [
-        key(white_room(0.6, [POINT], 8), SETTINGS),
-        key(with_camera(room, fov_y_degrees=20), SETTINGS),
-        key(with_camera(room, width=9), SETTINGS),
+        keys(white_room(0.6, [POINT], 8), SETTINGS),
+        keys(with_camera(room, fov_y_degrees=20), SETTINGS),
+        keys(with_camera(room, width=9), SETTINGS),
         *(
-            key(room, Settings(**{**SETTINGS.__dict__, field: value}))
+            keys(room, Settings(**{**SETTINGS.__dict__, field: value}))
             for field, value in (
                 ("gather_samples", 256),
                 ("coefficients", 17),
