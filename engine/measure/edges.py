@@ -18,6 +18,7 @@ from engine.light.table import light_table
 from engine.numerics.borrow import borrow
 from engine.numerics.parallel import for_ranges
 from engine.numerics.vec import vec
+from engine.scene.camera import SparseCamera
 from engine.scene.rays import Hits
 from engine.scene.scene import Scene
 
@@ -93,6 +94,10 @@ def scene_edges(scene: Scene) -> NDArray[np.bool_]:
 
 def pixels_that_count(scene: Scene) -> NDArray[np.bool_]:
     """(h, w): those that errors are taken over: without edges, and without lamps themselves."""
+    camera = scene.camera
+    if isinstance(camera, SparseCamera):
+        whole = pixels_that_count(scene.with_camera(camera.whole))
+        return whole[:: camera.stride, :: camera.stride]
     return ~(scene_edges(scene) | lamps_seen(scene))
 
 

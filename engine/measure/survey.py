@@ -25,7 +25,7 @@ from engine.methods.base import Progress, silent
 from engine.scene.scene import Scene
 from engine.store import Store
 
-EDITS, SEED = 4, 1  # of every kind: others than the planner draws
+EDITS, SEED = 6, 1  # of every kind, as many of each turn: others than the planner draws
 REPEATS = 3  # of every edit's frame, timed
 STALLED = 0.9  # of the error that the rung before had
 LONGEST, SLOWEST = 20.0, 0.5  # seconds of a precompute and of a frame, beyond which nobody waits

@@ -206,22 +206,25 @@ def time_frames(
 
     Every repetition moves the edit's lights on by `step` metres, as a hand does: the product has
     not seen any of them, and can repeat nothing that it remembers. A material stays in hand for all
-    of its repetitions. The times are in the order of the repetitions, edit by edit in each.
+    of its edits and their repetitions. The times are in the order of the repetitions, edit by edit
+    in each.
     """
     every = range(len(edits))
-    together = [[k] for k in every] if any(edit.materials for edit in edits) else [every]
-    frames: list[Frame] = []
+    together: list[Sequence[int]] = [every]
+    if any(edit.materials for edit in edits):
+        together = [[k] for k in sorted(every, key=lambda k: list(edits[k].materials or ()))]
+    frames: dict[int, Frame] = {}
     timed: list[Frame] = []
     seconds = np.zeros((repeats, len(edits)))
     for group in together:
-        frames += [product.relight(edits[k]) for k in group]
+        frames |= {k: product.relight(edits[k]) for k in group}
         for turn in range(repeats):
             for k in group:
                 moved = nudged(edits[k], (turn + 1) * step)
                 start = time.perf_counter()
                 timed.append(product.relight(moved))
                 seconds[turn, k] = time.perf_counter() - start
-    return frames, Timing(tuple(seconds.ravel())), median_parts(timed)
+    return [frames[k] for k in every], Timing(tuple(seconds.ravel())), median_parts(timed)
 
 
 def median_parts(frames: Sequence[Frame]) -> dict[str, float]:

@@ -53,6 +53,11 @@ class Camera(Description):
         """(height, width) of the picture of every step-th pixel of every step-th row."""
         return -(-self.height // step), -(-self.width // step)
 
+    @property
+    def spread(self) -> float:
+        """Width of a pixel at unit distance."""
+        return 2 * math.tan(math.radians(self.fov_y_degrees) / 2) / self.height
+
     def to_pixels(self, step: int = 1) -> NDArray[np.float64]:
         """(3, 3): takes a direction from the eye to (x d, y d, d).
 
@@ -80,3 +85,51 @@ class Camera(Description):
         d = sx[:, None] * right + sy[:, None] * up - back
         d /= np.linalg.norm(d, axis=1, keepdims=True)
         return d.astype(np.float32)
+
+
+class SparseCamera(Camera):
+    """A picture of every stride-th pixel of every stride-th row of a whole one.
+
+    Its pixels are as small as those of the whole picture, and see what those see: a few of them
+    tell what it is like. Neighbours lie apart, so what joins them joins what it should not.
+    """
+
+    stride: int
+    whole_width: int
+    whole_height: int
+
+    @property
+    def whole(self) -> Camera:
+        """The camera of the whole picture."""
+        kept = self.model_dump(exclude={"stride", "whole_width", "whole_height"})
+        return Camera(**{**kept, "width": self.whole_width, "height": self.whole_height})
+
+    @property
+    def spread(self) -> float:
+        """As that of the whole picture."""
+        return self.whole.spread
+
+    def to_pixels(self, step: int = 1) -> NDArray[np.float64]:
+        """See `Camera.to_pixels`."""
+        return self.whole.to_pixels(self.stride * step)
+
+    def directions(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float32]:
+        """See `Camera.directions`; a pixel's coordinates are those within its small self."""
+        return self.whole.directions(*(self._within(np.asarray(a, np.float64)) for a in (x, y)))
+
+    def _within(self, at: NDArray[np.float64]) -> NDArray[np.float64]:
+        pixel = np.floor(at)
+        return self.stride * pixel + (at - pixel)
+
+
+def sparse(camera: Camera, stride: int) -> Camera:
+    """The camera that sees every stride-th pixel of every stride-th row; itself for 1."""
+    if stride == 1:
+        return camera
+    height, width = camera.shape(stride)
+    return SparseCamera(
+        **{**camera.model_dump(), "width": width, "height": height},
+        stride=stride,
+        whole_width=camera.width,
+        whole_height=camera.height,
+    )

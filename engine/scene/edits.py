@@ -104,7 +104,7 @@ def edited_camera(camera: Camera, change: dict[str, Any] | None) -> Camera:
     """The camera after the change."""
     merged = {**camera.model_dump(), **(change or {})}
     try:
-        return Camera.model_validate(merged)
+        return type(camera).model_validate(merged)
     except ValidationError as error:
         raise problems(error, "camera", merged, Camera.model_json_schema()) from None
 

@@ -69,11 +69,11 @@ def test_what_matters_is_raised_and_nothing_else() -> None:
     for name in ("coefficients", "bounces"):
         steps = LADDERS["direct_to_indirect"][name]
         lower = steps[steps.index(choice.settings[name]) - 1]
-        assert error({**choice.settings, name: lower}) > 0.8 * 0.05
+        assert error({**choice.settings, name: lower}) > 0.05
     tight, _ = chosen(error, 0.03)
     assert (tight.settings["coefficients"], tight.settings["bounces"]) == (50, 3)
     (reason,) = [r for r in tight.reasons if r.startswith("bounces")]
-    assert reason == "bounces = 3: 1 would be 4.0 % off"
+    assert reason == "bounces = 3: 1 would be up to 4.0 % off"
 
 
 @pytest.mark.parametrize("first", range(8))
@@ -120,13 +120,13 @@ def test_a_plan_is_kept(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     found = plan(scene, ["lights"], budget, ["direct_to_indirect", "wavelet_brdf"], store)
     assert found.holds
     assert found.method == "direct_to_indirect"
-    assert "wavelet_brdf is" in found.left_out[0]
+    assert "wavelet_brdf lacks light" in found.left_out[0]
     assert found.settings.gather_samples <= 4096
     scene, edits = judged_on(scene, [found.method], 4, 1)
     trial = trial_of(scene, edits, budget / 2, store, silent)
     point = measure(trial, found.method, "", found.settings, silent)
     assert point.error["relative_l2"] <= budget
-    assert found.predicted.error <= 0.8 * budget
+    assert found.predicted.most <= budget
     assert found.predicted.error / 4 < point.error["relative_l2"] < 1.5 * found.predicted.error
     assert found.predicted.bytes == pytest.approx(point.bytes, rel=0.5)
     assert any("direct_to_indirect: " in line for line in found.lines())

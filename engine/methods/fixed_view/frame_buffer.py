@@ -135,7 +135,7 @@ def build(scene: Scene) -> FrameBuffer:
     n = camera.width * camera.height
     x = np.tile(np.arange(camera.width) + 0.5, camera.height)
     y = np.repeat(np.arange(camera.height) + 0.5, camera.width)
-    spread = 2 * np.tan(np.radians(camera.fov_y_degrees) / 2) / camera.height
+    spread = camera.spread
     centre = look_at(scene, camera.directions(x, y))
     centre.phase[:] = pixel_phase(camera.width, camera.height)
 
@@ -172,7 +172,7 @@ def build(scene: Scene) -> FrameBuffer:
         scene.diagonal,
         donor,
     )
-    return FrameBuffer(camera, centre, pixel, sub, donor, float(spread))
+    return FrameBuffer(camera, centre, pixel, sub, donor, spread)
 
 
 @lru_cache(8)

@@ -34,7 +34,7 @@ def buffer_of(
     """
     view = look(scene, camera, scale)
     height, width = view.shape
-    spread = scale * 2 * np.tan(np.radians(camera.fov_y_degrees) / 2) / camera.height
+    spread = scale * camera.spread
     centre = _points(scene, codes, view.centre, None if room is None else room.centre)
     sub = _points(scene, codes, view.sub)
     centre.size[:] = spread * view.centre.distance
@@ -53,7 +53,7 @@ def buffer_of(
             levels.at_least(points, settings.level, codes.each)
     pixels = camera.model_copy(update={"width": width, "height": height})
     donors = np.repeat(view.edge, 4)
-    return FrameBuffer(pixels, centre, view.edge, sub, donors, float(spread))
+    return FrameBuffer(pixels, centre, view.edge, sub, donors, spread)
 
 
 def _points(scene: Scene, codes: Codes, seen: Seen, room: Points | None = None) -> Points:
