@@ -214,10 +214,11 @@ LIGHTS = (
     Regime(
         "lamp mirrored sharply, fixed view",
         "direct_to_indirect",
-        "A pixel takes one to sixteen points of a lamp, and a mirror shows them.",
+        "A pixel takes eight points of a lamp, and a mirror shows them.",
         of(floor_alone, metal(0.05), lights=[LAMP]),
         6.0,
         {"gather_samples": 256},
+        codes=("lamp_seen_as_points",),
     ),
     Regime(
         "environment behind lamps",

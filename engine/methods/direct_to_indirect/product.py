@@ -23,6 +23,7 @@ from engine.methods.direct_to_indirect.coverage import said_of, uncovered
 from engine.methods.direct_to_indirect.gl_transfer import GlTransfer, Parts, Standing
 from engine.methods.direct_to_indirect.gloss_limits import Caustics
 from engine.methods.direct_to_indirect.light_balance import LightBalance
+from engine.methods.direct_to_indirect.mirrored_lamps import MirroredLamps
 from engine.methods.direct_to_indirect.mirrors import blurred_mirrors, mirrored_by, seen_as_matt
 from engine.methods.direct_to_indirect.reflected import (
     add_at_edges,
@@ -96,6 +97,7 @@ class Transfer:
         # Indirect light meets whole pixels where they have no sub-samples.
         self._glossy = glossy_pixels(view)
         self._caustics = Caustics(view.scene, cloud)
+        self._lamps = MirroredLamps(view, self._glossy)
         mirrored = mirrored_by(view, self._glossy)
         self._of_view = (
             blurred_mirrors(mirrored, cloud),
@@ -146,7 +148,7 @@ class Transfer:
         if self._backend.failed:
             self._gl = None
         start, timings = time.perf_counter(), drawn.timings
-        warnings = (*notices, *self._warnings(lights, environment, drawn))
+        warnings = (*notices, *self._warnings(lights, environment, drawn, scale))
         timings["diagnosis"] = time.perf_counter() - start
         timings["total"] += timings["diagnosis"]
         height, width = self.view.shape(scale)
@@ -267,7 +269,11 @@ class Transfer:
             add_at_edges(self.view.buffer, arriving, mirrored, self._sub, image)
 
     def _warnings(
-        self, lights: tuple[Light, ...], environment: Environment | None, drawn: Drawn
+        self,
+        lights: tuple[Light, ...],
+        environment: Environment | None,
+        drawn: Drawn,
+        scale: int,
     ) -> tuple[Diagnosis, ...]:
         balance = self._balance(lights, drawn.first_of, drawn.later)
 
@@ -277,7 +283,9 @@ class Transfer:
 
         covered = said_of(self._uncovered, self.cloud, drawn.later)
         truncated = self._bounces.truncated(drawn.missing)
-        said = (*self._of_view, covered, self._caustics(first, drawn.later), balance, truncated)
+        points = self._lamps(lights, drawn.image, scale)
+        caustics = self._caustics(first, drawn.later)
+        said = (*self._of_view, points, covered, caustics, balance, truncated)
         found = [warning for warning in said if warning is not None]
         if environment is not None:
             found += self._environment.warnings(self._settings.view_rays)

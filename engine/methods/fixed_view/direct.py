@@ -28,6 +28,7 @@ PER_PIXEL, PER_SUBSAMPLE, PER_PENUMBRA_PIXEL, PER_COARSE_PENUMBRA_PIXEL = 2, 4, 
 PER_WIDE_PENUMBRA_PIXEL = 4
 CENTRE = np.full((1, 1, 2), 0.5)  # of a light without extent
 BLOCK = 4  # pixels that share a pattern of `light_samples`
+POINTS_ON_GLOSS = BLOCK * PER_PIXEL  # in full light, once neighbours are averaged
 # Pixels each way in which somebody looks at every one of PROBES.
 PROBE_REACH = 2
 # Pixels to where the weights of neighbours reach 0, in penumbrae that change by less than STEEP of
@@ -73,6 +74,19 @@ def light_on_points(rays: RayTracer, points: Points, light: Light) -> NDArray[np
     dark where what is seen of it gives more than its share.
     """
     return _light(rays, points, light, light_samples(light, 1))[0]
+
+
+def light_from_each(rays: RayTracer, points: Points, light: Light) -> NDArray[np.float32]:
+    """Radiance (n, 64, 3) float32 that each point reflects of each of a light's, were it whole.
+
+    Nothing hides them. In the order of `light_samples`.
+    """
+    samples = light_samples(light, 1)
+    every = points.take(np.repeat(np.arange(len(points)), len(samples)))
+    every.phase[:] = np.tile(np.arange(len(samples), dtype=np.uint8), len(points))
+    at = np.arange(len(every), dtype=np.int32)
+    found, _ = _light(rays, every, light, samples, at, every.position, shadows=False)
+    return found.reshape(len(points), len(samples), 3)
 
 
 def light_on_pixels(

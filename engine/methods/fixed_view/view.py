@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -162,9 +163,17 @@ class View:
             points.model, points.row, table, ENVIRONMENT_SAMPLES, 7,
         )  # fmt: skip
 
+    def lamp_pixels(self, lights: Iterable[Light], scale: int) -> NDArray[np.intp]:
+        """(m,): those of a picture in which lights with extent are seen themselves."""
+        seen = [self._seen_lamp(light, scale)[0] for light in lights]
+        return np.concatenate([np.zeros(0, np.intp), *seen])
+
     def _show_light(self, light: Light, scale: int, out: NDArray[np.float32]) -> None:
-        pixel, cover, radiance = self.pictures.lamp(scale, light, lambda: self._lamp(light, scale))
+        pixel, cover, radiance = self._seen_lamp(light, scale)
         out[pixel] = out[pixel] * (1 - cover) + radiance
+
+    def _seen_lamp(self, light: Light, scale: int) -> Lamp:
+        return self.pictures.lamp(scale, light, lambda: self._lamp(light, scale))
 
     def _lamp(self, light: Light, scale: int) -> Lamp:
         """What the camera sees of a light with extent itself; at scale 1 antialiased."""
