@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from engine.measure.contact_sheet import Row, difference, picture
 from engine.measure.document import finite, provenance
-from engine.measure.edges import scene_edges
+from engine.measure.edges import pixels_that_count
 from engine.measure.machine import this_machine
 from engine.measure.metrics import auto_exposure, flip_ldr, relative_l2
 from engine.measure.settings import settings_from
@@ -103,7 +103,7 @@ class Compared:
 
     def __init__(self, session: Session, scene: Scene, reference: Truth, name: str) -> None:
         self._reference, self._name = reference, name
-        self._kept = ~scene_edges(scene)
+        self._kept = pixels_that_count(scene)
         self._exposure = auto_exposure(reference.image)
         self._shown: list[Any] = []
         self._off: list[Any] = []
