@@ -41,7 +41,9 @@ def test_a_pilot_is_as_far_off_as_the_whole_picture(
     whole = measure(trial, "direct_to_indirect", "", SETTINGS, silent, repeats=1)
     assert cost.error == pytest.approx(whole.error["relative_l2"], rel=0.2)
     spread = np.std([error["relative_l2"] for error in whole.errors], ddof=1)
-    assert 0.3 * spread < cost.doubt / math.sqrt(2 / len(whole.errors)) < 3 * spread
+    assert (
+        0.3 * spread < cost.doubt / (pilots.SURELY * math.sqrt(2 / len(whole.errors))) < 3 * spread
+    )
 
 
 def test_what_lacks_light_is_known_without_a_pilot(
