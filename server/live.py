@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import secrets
+import time
 
 from fastapi import WebSocket, WebSocketDisconnect
 from pydantic import TypeAdapter, ValidationError
@@ -38,6 +39,7 @@ class Session:
         self._changed = asyncio.Event()
         self._send_lock = asyncio.Lock()
         self._edit: LiveEdit | None = None
+        self._came = 0.0  # when it did
         self._job: JobState | None = None
         self._dirty = False
         self._stopped = False  # whether the last picture was given up for a newer one
@@ -46,11 +48,13 @@ class Session:
     async def run(self) -> None:
         """Serve until the client leaves."""
         stop = self.service.jobs.listen(self._job_moved)
+        self.service.sessions += 1
         tasks = {asyncio.create_task(self._read()), asyncio.create_task(self._write())}
         try:
             done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         finally:
             stop()
+            self.service.sessions -= 1
             self.service.jobs.forget(self.id)
             for task in tasks:
                 task.cancel()
@@ -73,7 +77,7 @@ class Session:
             if isinstance(message, LiveAck):
                 self._unacknowledged = max(0, self._unacknowledged - 1)
             elif self._edit is None or message.seq >= self._edit.seq:
-                self._edit, self._dirty = message, True
+                self._edit, self._came, self._dirty = message, time.perf_counter(), True
             self._changed.set()
 
     async def _write(self) -> None:
@@ -85,7 +89,7 @@ class Session:
             if not self._dirty:
                 await self._wait()
                 continue
-            seq = self._edit.seq if self._edit else -1
+            seq, came = self._edit.seq if self._edit else -1, self._came
             try:
                 await asyncio.to_thread(self.stage.scene)
                 if self._edit is not None:
@@ -100,6 +104,7 @@ class Session:
                 continue
             self._unacknowledged += 1
             await self._send_frame(drawn)
+            self.service.metrics.frame(drawn.header, "live", time.perf_counter() - came)
             # The job may have ended before this session knew that it waits for it.
             if self._job is not None:
                 await self._job_told(self.service.jobs.get(self._job.id))
@@ -151,6 +156,7 @@ class Session:
 
     async def _send_problem(self, seq: int, error: Exception) -> None:
         problem = describe(error)
+        self.service.metrics.problem(problem.status)
         if isinstance(error, InputError) and problem.field:
             problem = problem.model_copy(update={"field": problem.field.removeprefix("edits.")})
         await self._send_text(LiveProblem(seq=seq, problem=problem).model_dump_json())

@@ -143,6 +143,7 @@ def install(app: FastAPI) -> None:
 
     async def answer(request: Request, error: Any) -> Response:
         problem = describe(error)
+        request.app.state.service.metrics.problem(problem.status)
         kind = request.headers.get("content-type", "")
         if isinstance(error, RequestValidationError) and "json" not in kind:
             problem = problem.model_copy(

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import AsyncIterator
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Body, Header, Query, Request, Response, WebSocket
-from fastapi.responses import StreamingResponse
+from fastapi.responses import PlainTextResponse, StreamingResponse
 from pydantic import TypeAdapter
 
 from engine.errors import NotFound
@@ -17,6 +18,7 @@ from server.accept import MEDIA_TYPES, negotiate
 from server.details import map_thumbnail, picked
 from server.live import Session
 from server.maps import located
+from server.metrics import MEDIA_TYPE
 from server.problems import describe, in_json
 from server.service import Service
 from server.stage import METHOD
@@ -56,6 +58,20 @@ def service_of(request: Request | WebSocket) -> Service:
 async def healthz() -> dict[str, str]:
     """Answers as long as the service lives."""
     return {"status": "ok"}
+
+
+@router.get("/metrics", response_class=PlainTextResponse)
+async def metrics(request: Request) -> Response:
+    """How long frames take and how many there were, as Prometheus reads it."""
+    service = service_of(request)
+    now = {
+        "sessions": float(service.sessions),
+        "frames_waiting": float(service.worker.waiting),
+        "jobs": float(service.jobs.at_work),
+    }
+    return Response(
+        service.metrics.text(now), media_type=MEDIA_TYPE, headers={"Cache-Control": "no-store"}
+    )
 
 
 @router.get("/api/scenes")
@@ -103,7 +119,7 @@ async def frame(
     accept: Annotated[str, Header()] = "*/*",
 ) -> Response:
     """The scene under the edits, as an image; OpenEXR is linear and ignores the exposure."""
-    service = service_of(request)
+    service, came = service_of(request), time.perf_counter()
     stage = service.stages.get(scene)
     media_type, image_format = negotiate(accept)
     order = Order(
@@ -116,6 +132,7 @@ async def frame(
         settings=in_json(SETTINGS, settings, "settings"),
     )
     drawn = await service.frame(stage, order, watcher=f"http {scene}")
+    service.metrics.frame(drawn.header, "http", time.perf_counter() - came)
     timing = ", ".join(f"{name};dur={ms}" for name, ms in drawn.header.timings.items())
     return Response(
         drawn.image,

@@ -21,6 +21,7 @@ from server.details import material_details, scene_detail
 from server.jobs import API, Jobs
 from server.maps import Uploads
 from server.measured import Samples
+from server.metrics import Metrics
 from server.precompute import Materials, Task, run_in_process, settings_of
 from server.reader import Reader
 from server.stage import HELD, METHOD, Recent, Stage, Stages
@@ -46,6 +47,8 @@ class Service:
         self.stages = stages
         self.settings = dict(settings or {})
         self.worker = Worker()
+        self.metrics = Metrics()
+        self.sessions = 0  # live sockets that are open
         self.jobs = Jobs(self._work)
         self.reader = Reader()
         self.uploads = Uploads(Store().root / "maps")

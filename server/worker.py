@@ -50,17 +50,17 @@ class Worker:
 
     def __init__(self) -> None:
         self._pool = ThreadPoolExecutor(1, "relight-render")
-        self._waiting = 0
+        self.waiting = 0
 
     async def run(self, work: Callable[[], T]) -> T:
         """Do `work` in the render thread, first come first served; Busy where too much waits."""
-        if self._waiting >= MAX_WAITING:
-            raise Busy(f"{self._waiting} frames are waiting already")
-        self._waiting += 1
+        if self.waiting >= MAX_WAITING:
+            raise Busy(f"{self.waiting} frames are waiting already")
+        self.waiting += 1
         try:
             return await asyncio.get_running_loop().run_in_executor(self._pool, work)
         finally:
-            self._waiting -= 1
+            self.waiting -= 1
 
     def close(self) -> None:
         """Finish the frame at hand, drop the rest."""

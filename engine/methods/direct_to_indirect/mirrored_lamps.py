@@ -56,7 +56,7 @@ class MirroredLamps:
         return Diagnosis(
             "lamp_seen_as_points",
             f"Gloss mirrors a lamp so sharply that the {POINTS_ON_GLOSS} points show that a pixel "
-            f"takes it as: {100 * size:.0f} % of the picture is off by that. No setting mends it; a "
-            "smaller lamp or a wider lobe does, and the reference has whole lamps.",
+            f"takes it as: {100 * size:.0f} % of the picture is off by that. No setting mends it; "
+            "a smaller lamp or a wider lobe does, and the reference has whole lamps.",
             size,
         )
