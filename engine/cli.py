@@ -1,4 +1,4 @@
-"""`relight`: scenes, precompute, render, plan, chart, bench, serve.
+"""`relight`: scenes, precompute, render, plan, chart, bench, serve, doctor.
 
 Results go to standard output, progress and warnings to standard error. What Relight refuses is one
 line and status 2 where the input is to blame, 1 where it is not; there are no tracebacks.
@@ -7,6 +7,7 @@ line and status 2 where the input is to blame, 1 where it is not; there are no t
 from __future__ import annotations
 
 import dataclasses
+import json
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -17,6 +18,7 @@ from engine.arguments import read_edits, sized_scene, words
 from engine.backend.choice import wanted
 from engine.cli_measure import bench, chart, chosen, plan
 from engine.diagnosis import worth_saying
+from engine.doctor import examine
 from engine.errors import InputError, NotFound, RelightError
 from engine.images import format_of, write_image
 from engine.methods import METHODS, prepare
@@ -159,6 +161,28 @@ def serve(
     with progress_bars() as progress:
         compile_kernels(progress)
     run(scenes or ["cornell-box"], host, port, open_browser=open_browser)
+
+
+@app.command()
+def doctor(
+    as_json: Annotated[bool, typer.Option("--json", help="print JSON in place of words")] = False,
+) -> None:
+    """Try out what Relight leans on: threads, Embree, OpenGL, compiled kernels, the store.
+
+    Says what would mend what; status 1 where something is broken that nothing works without.
+    """
+    found = examine()
+    if as_json:
+        print(json.dumps([dataclasses.asdict(finding) for finding in found], indent=1))
+    else:
+        for each in found:
+            style = {"ok": "green", "note": "yellow", "broken": "bold red"}[each.state]
+            said = f"{each.what:<8} {each.says}".replace("[", r"\[")
+            out.print(f"[{style}]{each.state:<6}[/] {said}", highlight=False)
+            if each.do:
+                out.print(f"{'':15} do: {each.do}", highlight=False, markup=False)
+    if any(each.state == "broken" for each in found):
+        raise typer.Exit(1)
 
 
 def main() -> None:

@@ -28,7 +28,7 @@ ORDER: list[set[str]] = [
     {"engine.methods.base"},
     {"engine.reference", "engine.methods"},
     {"engine.measure"},
-    {"engine.terminal"},
+    {"engine.terminal", "engine.doctor"},
     {"engine.arguments", "engine.options"},
     {"engine.charts"},
     {"engine.cli_measure"},
