@@ -153,14 +153,29 @@ def serve(
     open_browser: Annotated[
         bool, typer.Option("--open", help="open the page in a browser")
     ] = False,
+    token: Annotated[
+        str | None,
+        typer.Option(
+            envvar="RELIGHT_TOKEN",
+            help="ask everybody for it; required where --host can be reached by others",
+        ),
+    ] = None,
+    name: Annotated[
+        list[str] | None, typer.Option(help="by which a proxy calls the service; may be repeated")
+    ] = None,
 ) -> None:
     """Serve the page."""
     from engine.methods.warm import compile_kernels
     from server.main import serve as run
+    from server.token import checked
 
+    checked(host, token)  # rather than after the work
     with progress_bars() as progress:
         compile_kernels(progress)
-    run(scenes or ["cornell-box"], host, port, open_browser=open_browser)
+    run(
+        scenes or ["cornell-box"], host, port,
+        open_browser=open_browser, names=name or (), token=token,
+    )  # fmt: skip
 
 
 @app.command()

@@ -19,6 +19,7 @@ from server.precompute import run_in_process
 from server.routes import router
 from server.service import Precompute, Service
 from server.stage import stages
+from server.token import HoldersOnly
 
 MAX_BODY = 1 << 20
 MAX_MAP, MAX_MEASURED = 1 << 27, 1 << 26
@@ -38,6 +39,7 @@ def create_app(
     precompute_at_start: bool = True,
     settings: Mapping[str, Any] | None = None,
     names: Iterable[str] | None = LOOPBACK,
+    token: str | None = None,
 ) -> FastAPI:
     """The service for these scenes (built-in names or files) and all built-in ones.
 
@@ -45,6 +47,7 @@ def create_app(
     precompute_at_start  begin with the default scene before anybody asks
     settings             of the method, in place of its defaults
     names                that the service may be called by, None for any
+    token                that everybody has to send, None for nobody
     Raises NotFound where a name is neither a built-in scene nor a file.
     """
     service = Service(stages(scenes), precompute, settings)
@@ -67,6 +70,8 @@ def create_app(
     app.include_router(accuracy_routes.router)
     app.mount("/", StaticFiles(directory=resource("web"), html=True))
     app.add_middleware(Limits)
+    if token is not None:
+        app.add_middleware(HoldersOnly, token=token)
     app.add_middleware(OwnPageOnly, names=names)
     return app
 

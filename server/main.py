@@ -1,11 +1,12 @@
-"""Start the service: loopback only, one process."""
+"""Start the service: on loopback unless told otherwise, one process."""
 
 from __future__ import annotations
 
 import contextlib
 import socket
 import webbrowser
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from urllib.parse import quote
 
 import uvicorn
 from fastapi import FastAPI
@@ -13,6 +14,7 @@ from fastapi import FastAPI
 from engine.errors import RelightError
 from server.app import MAX_BODY, create_app
 from server.origin import names_of
+from server.token import checked
 
 TRIES = 20
 
@@ -23,15 +25,25 @@ def serve(
     port: int = 8000,
     *,
     open_browser: bool = False,
+    names: Iterable[str] = (),
+    token: str | None = None,
 ) -> None:
     """Serve the scenes until interrupted; prints the address once it can be opened.
 
+    names  by which a proxy calls the service, beside the host's own
+    token  that everybody has to send; where others can reach the host there has to be one
+
     Where the port is taken the next free one is used; port 0 takes any. Raises RelightError where
-    none can be had, NotFound for a scene that is neither built in nor a file.
+    none can be had, InputError for a lacking token, NotFound for a scene that is neither built in
+    nor a file.
     """
-    app = create_app(scenes, names=names_of(host))
+    token, known = checked(host, token), names_of(host)
+    if known is not None:
+        known |= {name.lower() for name in names}
+    app = create_app(scenes, names=known, token=token)
     listener = listen(host, port)
     address = f"http://{host}:{listener.getsockname()[1]}/"
+    address += "" if token is None else f"?token={quote(token)}"
     print(f"Relight is at {address}  (Ctrl-C ends it)", flush=True)
     if open_browser:
         webbrowser.open(address)

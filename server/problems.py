@@ -36,6 +36,7 @@ MEDIA_TYPE = "application/problem+json"
 
 TITLES = {
     400: "The request cannot be read",
+    401: "Who asks?",
     403: "Not allowed",
     404: "Not found",
     405: "Method not allowed",
@@ -56,6 +57,10 @@ class Forbidden(RelightError):
     """Not for this asker."""
 
 
+class Unknown(RelightError):
+    """Nobody knows the asker."""
+
+
 class TooLarge(RelightError):
     """The body is over the limit."""
 
@@ -67,6 +72,7 @@ class NotAcceptable(RelightError):
 STATUS: tuple[tuple[type[RelightError], int], ...] = (
     (InputError, 422),
     (NotFound, 404),
+    (Unknown, 401),
     (Forbidden, 403),
     (Cancelled, 409),
     (BackendError, 503),
@@ -129,12 +135,12 @@ def describe(error: Exception) -> Problem:
 
 def response(problem: Problem) -> Response:
     """The problem as an HTTP answer."""
-    headers = {"Retry-After": "1"} if problem.status == 503 else {}
+    headers = {401: {"WWW-Authenticate": "Bearer"}, 503: {"Retry-After": "1"}}
     return Response(
         problem.model_dump_json(exclude_defaults=False),
         status_code=problem.status,
         media_type=MEDIA_TYPE,
-        headers=headers,
+        headers=headers.get(problem.status, {}),
     )
 
 
