@@ -163,6 +163,9 @@ def serve(
     name: Annotated[
         list[str] | None, typer.Option(help="by which a proxy calls the service; may be repeated")
     ] = None,
+    memory: Annotated[
+        float, typer.Option(min=0, help="GB for products; those used last stay, others are let go")
+    ] = 4.0,
 ) -> None:
     """Serve the page."""
     from engine.methods.warm import compile_kernels
@@ -174,7 +177,7 @@ def serve(
         compile_kernels(progress)
     run(
         scenes or ["cornell-box"], host, port,
-        open_browser=open_browser, names=name or (), token=token,
+        open_browser=open_browser, names=name or (), token=token, memory=1e9 * memory,
     )  # fmt: skip
 
 

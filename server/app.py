@@ -18,7 +18,7 @@ from server.origin import LOOPBACK, OwnPageOnly
 from server.precompute import run_in_process
 from server.routes import router
 from server.service import Precompute, Service
-from server.stage import stages
+from server.stage import MEMORY, stages
 from server.token import HoldersOnly
 
 MAX_BODY = 1 << 20
@@ -40,6 +40,7 @@ def create_app(
     settings: Mapping[str, Any] | None = None,
     names: Iterable[str] | None = LOOPBACK,
     token: str | None = None,
+    memory: float = MEMORY,
 ) -> FastAPI:
     """The service for these scenes (built-in names or files) and all built-in ones.
 
@@ -48,9 +49,10 @@ def create_app(
     settings             of the method, in place of its defaults
     names                that the service may be called by, None for any
     token                that everybody has to send, None for nobody
+    memory               bytes that products may take; the one used last may take more
     Raises NotFound where a name is neither a built-in scene nor a file.
     """
-    service = Service(stages(scenes), precompute, settings)
+    service = Service(stages(scenes, memory), precompute, settings)
 
     @contextlib.asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:

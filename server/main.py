@@ -14,6 +14,7 @@ from fastapi import FastAPI
 from engine.errors import RelightError
 from server.app import MAX_BODY, create_app
 from server.origin import names_of
+from server.stage import MEMORY
 from server.token import checked
 
 TRIES = 20
@@ -27,11 +28,13 @@ def serve(
     open_browser: bool = False,
     names: Iterable[str] = (),
     token: str | None = None,
+    memory: float = MEMORY,
 ) -> None:
     """Serve the scenes until interrupted; prints the address once it can be opened.
 
     names  by which a proxy calls the service, beside the host's own
     token  that everybody has to send; where others can reach the host there has to be one
+    memory bytes that products may take, see `create_app`
 
     Where the port is taken the next free one is used; port 0 takes any. Raises RelightError where
     none can be had, InputError for a lacking token, NotFound for a scene that is neither built in
@@ -40,7 +43,7 @@ def serve(
     token, known = checked(host, token), names_of(host)
     if known is not None:
         known |= {name.lower() for name in names}
-    app = create_app(scenes, names=known, token=token)
+    app = create_app(scenes, names=known, token=token, memory=memory)
     listener = listen(host, port)
     address = f"http://{host}:{listener.getsockname()[1]}/"
     address += "" if token is None else f"?token={quote(token)}"

@@ -20,7 +20,8 @@ from engine.brdf.thumbnail import thumbnail
 from engine.errors import EditError, SceneError
 from engine.images import encode
 from server.precompute import Materials
-from server.stage import Recent, Stage
+from server.shelf import Recent
+from server.stage import Stage
 
 KEPT_THUMBNAILS = 512
 KEPT_FILES = 32  # fewer than the engine keeps

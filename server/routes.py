@@ -68,6 +68,7 @@ async def metrics(request: Request) -> Response:
         "sessions": float(service.sessions),
         "frames_waiting": float(service.worker.waiting),
         "jobs": float(service.jobs.at_work),
+        "product_bytes": float(service.stages.shelf.bytes),
     }
     return Response(
         service.metrics.text(now), media_type=MEDIA_TYPE, headers={"Cache-Control": "no-store"}

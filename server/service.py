@@ -24,7 +24,8 @@ from server.measured import Samples
 from server.metrics import Metrics
 from server.precompute import Materials, Task, run_in_process, settings_of
 from server.reader import Reader
-from server.stage import HELD, METHOD, Recent, Stage, Stages
+from server.shelf import Recent
+from server.stage import HELD, METHOD, Stage, Stages
 from server.wire import Chart, JobState, MaterialDetail, PrecomputeRequest, SceneDetail
 from server.worker import Drawn, Order, Worker, draw, relit
 

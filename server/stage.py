@@ -11,11 +11,10 @@ from __future__ import annotations
 import json
 import re
 import threading
-from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path, PurePath
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 from engine.errors import EditNotSupported, NotFound
 from engine.methods import METHODS
@@ -26,13 +25,10 @@ from engine.scene.edits import Edits, apply, edited_camera
 from engine.scene.open import open_scene, scenes
 from engine.scene.scene import Scene
 from server.precompute import Key, Materials, Task, key_of, settings_of
-
-Name = TypeVar("Name")
-Value = TypeVar("Value")
+from server.shelf import Recent, Shelf, Shelved
 
 METHOD = "direct_to_indirect"
-KEPT_PRODUCTS = 4
-KEPT_TUNED = 4
+MEMORY = 4e9  # bytes of products
 KEPT_PREVIEWS = 3
 MAP_FILES, MEASURED_FILES = {".hdr", ".exr"}, {".brdf", ".binary", ".csv"}
 MOST_FILES = 100
@@ -58,41 +54,16 @@ class View(NamedTuple):
         return self.renderer.relight(rest, self.scale)
 
 
-class Recent(Generic[Name, Value]):
-    """The `limit` entries used last."""
-
-    def __init__(self, limit: int) -> None:
-        self._limit = limit
-        self._entries: OrderedDict[Name, Value] = OrderedDict()
-
-    def get(self, key: Name) -> Value | None:
-        """The entry; None where there is none."""
-        return self._entries.get(key)
-
-    def use(self, key: Name) -> Value | None:
-        """The entry, now the newest; None where there is none."""
-        if key in self._entries:
-            self._entries.move_to_end(key)
-        return self._entries.get(key)
-
-    def keep(self, key: Name, value: Value) -> None:
-        """Add an entry, let the oldest go."""
-        self._entries[key] = value
-        self._entries.move_to_end(key)
-        while len(self._entries) > self._limit:
-            self._entries.popitem(last=False)
-
-
 class Stage:
     """One scene. `scene` may be called from any thread; `view` from the render thread alone."""
 
-    def __init__(self, name: str, source: str, description: str) -> None:
+    def __init__(self, name: str, source: str, description: str, shelf: Shelf) -> None:
+        """shelf is where its products lie, beside those of other scenes."""
         self.name, self.source, self.description = name, source, description
+        self._shelf = shelf
         self._lock = threading.Lock()
         self._scene: Scene | None = None
-        self._products: Recent[Key, Product] = Recent(KEPT_PRODUCTS)
         self._settings: dict[str, Mapping[str, Any]] = {}
-        self._tuned: Recent[tuple[str, Any], tuple[Product, Product]] = Recent(KEPT_TUNED)
         self._previews: Recent[str, DirectPreview] = Recent(KEPT_PREVIEWS)
 
     def scene(self) -> Scene:
@@ -142,11 +113,11 @@ class Stage:
         self, camera: Camera, method: str = METHOD, materials: Materials | None = None
     ) -> Product | None:
         """The product for this view and these materials, if it is loaded."""
-        return self._products.get(_key(camera, method, materials))
+        return self._shelf.get((self.name, _key(camera, method, materials)))
 
     def install(self, task: Task, product: Product) -> None:
         """Use the product of a task from now on."""
-        self._products.keep(task.key[-1], product)
+        self._shelf.keep((self.name, task.key[-1]), product)
         self._settings[task.method] = task.settings
 
     def settings(self, method: str) -> Mapping[str, Any]:
@@ -166,10 +137,11 @@ class Stage:
         Raises EditNotSupported for materials that the method holds fixed and has no product for,
         or for settings that are not taken any more.
         """
-        product = self._products.use(_key(camera, method, materials))
+        shelved = self._shelf.use((self.name, _key(camera, method, materials)))
         if settings:
-            product = self._retuned(product, method, settings)
-        if product is not None:
+            _require_run_time(method, settings)
+        if shelved is not None:
+            product = _retuned(shelved, method, settings or {})
             return View(product, scale, product.method, HELD - EDITS[method])
         if materials and "materials" not in EDITS[method]:
             raise EditNotSupported(
@@ -192,27 +164,30 @@ class Stage:
         self._previews.keep(f"{camera.model_dump_json()} {lamps_alone} {made_of}", preview)
         return View(preview, 1, "direct", HELD)
 
-    def _retuned(
-        self, product: Product | None, method: str, settings: Mapping[str, Any]
-    ) -> Product | None:
-        """The product with other settings, made at once; those used last are kept."""
-        chosen = METHODS[method]
-        for name in sorted(settings.keys() - chosen.run_time):
-            able = ", ".join(sorted(chosen.run_time)) or "none"
-            raise EditNotSupported(
-                f"{method} takes {able} of its settings in a frame; precompute it with others",
-                field=f"settings.{name}",
-            )
-        made = asdict(product.settings) if product is not None else {}
-        wanted = settings_of(method, {**made, **settings})
-        if product is None or chosen.retuned is None or wanted == product.settings:
-            return product
-        known = self._tuned.use((method, wanted))
-        if known is not None and known[0] is product:
-            return known[1]
-        retuned = chosen.retuned(product, wanted)
-        self._tuned.keep((method, wanted), (product, retuned))
-        return retuned
+
+def _require_run_time(method: str, settings: Mapping[str, Any]) -> None:
+    able = METHODS[method].run_time
+    for name in sorted(settings.keys() - able):
+        listed = ", ".join(sorted(able)) or "none"
+        raise EditNotSupported(
+            f"{method} takes {listed} of its settings in a frame; precompute it with others",
+            field=f"settings.{name}",
+        )
+
+
+def _retuned(shelved: Shelved, method: str, settings: Mapping[str, Any]) -> Product:
+    """The product with other settings, made at once; those used last are kept."""
+    product, chosen = shelved.product, METHODS[method]
+    if not settings or chosen.retuned is None:
+        return product
+    wanted = settings_of(method, {**asdict(product.settings), **settings})
+    if wanted == product.settings:
+        return product
+    known = shelved.tuned.use(wanted)
+    if known is None:
+        known = chosen.retuned(product, wanted)
+        shelved.tuned.keep(wanted, known)
+    return known
 
 
 def _key(camera: Camera, method: str, materials: Materials | None) -> Key:
@@ -227,6 +202,7 @@ class Stages:
     """All scenes by their name in URLs; the first is the default."""
 
     stages: dict[str, Stage]
+    shelf: Shelf
 
     @property
     def default(self) -> Stage:
@@ -242,16 +218,18 @@ class Stages:
             raise NotFound(f"there is no scene {name!r}; there are {known}") from None
 
 
-def stages(sources: Sequence[str]) -> Stages:
+def stages(sources: Sequence[str], memory: float = MEMORY) -> Stages:
     """The sources in their order, then the built-in scenes that are not among them.
 
-    A source is the name of a built-in scene or a file. NotFound where it is neither.
+    In so many bytes of memory their products are kept. A source is the name of a built-in scene or
+    a file. NotFound where it is neither.
     """
     builtin = dict(scenes())
     found: dict[str, Stage] = {}
+    shelf = Shelf(memory)
     for source in sources:
         if source in builtin:
-            found[source] = Stage(source, source, builtin[source])
+            found[source] = Stage(source, source, builtin[source], shelf)
             continue
         path = Path(source)
         if not path.exists():
@@ -260,11 +238,11 @@ def stages(sources: Sequence[str]) -> Stages:
                 f"there are {', '.join(builtin)}"
             )
         name = unique(slug(path), {*found, *builtin})
-        found[name] = Stage(name, str(path.resolve()), path.name)
+        found[name] = Stage(name, str(path.resolve()), path.name, shelf)
     for source, description in builtin.items():
         if source not in found:
-            found[source] = Stage(source, source, description)
-    return Stages(found)
+            found[source] = Stage(source, source, description, shelf)
+    return Stages(found, shelf)
 
 
 def slug(path: Path) -> str:

@@ -8,7 +8,7 @@ import pytest
 
 from engine.errors import NotFound
 from engine.scene.edits import Edits
-from server.stage import Recent, slug, stages, unique
+from server.stage import slug, stages, unique
 
 
 @pytest.mark.parametrize(
@@ -41,15 +41,6 @@ def test_unknown_scenes_are_refused_at_once() -> None:
         stages(["no-such-scene"])
     with pytest.raises(NotFound, match="cornell-box"):
         stages([]).get("no-such-scene")
-
-
-def test_recent_keeps_what_was_used_last() -> None:
-    recent: Recent[int, int] = Recent(2)
-    recent.keep(1, 10)
-    recent.keep(2, 20)
-    assert recent.use(1) == 10
-    recent.keep(3, 30)
-    assert (recent.get(1), recent.get(2), recent.get(3)) == (10, None, 30)
 
 
 def test_a_moving_camera_pays_for_small_buffers_only(tiny_scene: Path) -> None:
