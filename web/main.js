@@ -6,6 +6,7 @@ import { EnvironmentPanel } from "./environment.js";
 import { Front } from "./front.js";
 import { Handles } from "./handles.js";
 import { History } from "./history.js";
+import { Keep } from "./keep.js";
 import { Live } from "./live.js";
 import { MaterialEditor } from "./material_editor.js";
 import { Materials, post } from "./materials.js";
@@ -83,6 +84,7 @@ const front = new Front(state, find, {
   },
 });
 const reference = new Reference(state, find, { call });
+const keep = new Keep(state, find, { problem: (detail) => status.problem({ detail }) });
 new History(state, { undo: find("undo"), redo: find("redo") });
 const orbit = new Orbit(state, find("picture"), find("camera-mode"));
 
@@ -289,6 +291,8 @@ find("exposure").addEventListener("change", () => {
 find("camera-reset").addEventListener("click", () => state.resetCamera());
 
 const scenes = await call("api/scenes");
-const asked = new URLSearchParams(location.search).get("scene");
+const whole = Keep.asked();
+const asked = whole?.scene ?? new URLSearchParams(location.search).get("scene");
 const first = scenes.find(({ name }) => name === asked) ?? scenes.find((scene) => scene.default);
 await open(scenes, first.name);
+if (whole !== null) keep.restore(whole);
