@@ -98,12 +98,15 @@ export class Keep {
     this.#tell(`${name} is saved.`);
   }
 
-  async #copyLink() {
+  // The whole state, as `restore` takes it.
+  get whole() {
     const { scene, exposure, method, chosen } = this.state;
-    const whole = {
-      scene: scene.name, method, exposure, settings: chosen[method] ?? {}, edits: this.state.edits(),
-    };
-    history.replaceState(null, "", `#${encodeURIComponent(JSON.stringify(whole))}`);
+    const settings = chosen[method] ?? {};
+    return { scene: scene.name, method, exposure, settings, edits: this.state.edits() };
+  }
+
+  async #copyLink() {
+    history.replaceState(null, "", `#${encodeURIComponent(JSON.stringify(this.whole))}`);
     try {
       await navigator.clipboard.writeText(location.href);
       this.#tell("The link is copied.");

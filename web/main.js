@@ -15,6 +15,7 @@ import { Panel } from "./panel.js";
 import { Picking } from "./picking.js";
 import { Reference } from "./reference.js";
 import { Requests } from "./requests.js";
+import { Snapshots } from "./snapshots.js";
 import { State } from "./state.js";
 import { Status, told } from "./status.js";
 
@@ -85,6 +86,7 @@ const front = new Front(state, find, {
 });
 const reference = new Reference(state, find, { call });
 const keep = new Keep(state, find, { problem: (detail) => status.problem({ detail }) });
+new Snapshots(state, find, keep);
 new History(state, { undo: find("undo"), redo: find("redo") });
 const orbit = new Orbit(state, find("picture"), find("camera-mode"));
 

@@ -53,7 +53,9 @@ def test_everything_that_is_kept_leads_back(
         linear = saved(page, "EXR", tmp_path)
         edits = saved(page, "Edits", tmp_path)
         page.get_by_role("button", name="Copy link").click()
-        page.wait_for_function("document.getElementById('keep-told').textContent.includes('link')")
+        page.wait_for_function(
+            "() => document.getElementById('keep-told').textContent.includes('link')"
+        )
         link = page.url
     assert picture.name == "box-direct_to_indirect.png"
     np.testing.assert_array_equal(np.asarray(Image.open(picture).convert("RGB")), shown)
