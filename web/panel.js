@@ -2,6 +2,7 @@
 
 import { strength, toHex, withStrength } from "./colour.js";
 import { capital, colour, element, field, number, words } from "./fields.js";
+import { actions, temperature } from "./light_actions.js";
 
 const [INTENSITY, RADIANCE, IRRADIANCE] = ["W/sr", "W/(sr·m²)", "W/m²"];
 const UNITS = {
@@ -96,8 +97,10 @@ export class Panel {
     undo.addEventListener("click", () => (own ? state.removeLight(id) : state.reset(id)));
     title.append(undo);
     this.box.append(title);
+    this.#shown(actions(state, id));
 
     this.#colour(change);
+    this.#shown(temperature(change));
     this.#intensity(light, change);
     const { properties } = state.scene.light_types[light.type];
     for (const [name, schema] of Object.entries(properties)) {
@@ -121,6 +124,10 @@ export class Panel {
       change: (intensity, moving) => change({ intensity }, moving),
       dark: 0,
     });
+    this.#shown({ row, show });
+  }
+
+  #shown({ row, show }) {
     this.box.append(row);
     this.#fields.push(show);
   }

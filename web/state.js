@@ -199,8 +199,13 @@ export class State {
     for (const [name, schema] of Object.entries(properties)) {
       if (!(name in light) && schema.default !== undefined) light[name] = schema.default;
     }
-    this.lights = [...this.lights, light];
-    this.selected = id;
+    this.setLights([...this.lights, light], id);
+  }
+
+  // All of them at once, and which of them is selected.
+  setLights(lights, selected = this.selected) {
+    this.lights = lights;
+    this.selected = this.light(selected) ? selected : (lights[0]?.id ?? null);
     this.#tell("lights");
     this.#tell("selected");
   }
@@ -230,20 +235,13 @@ export class State {
 
   // Added lights go; the scene's own can only be turned off.
   removeLight(id) {
-    this.lights = this.lights.filter((light) => light.id !== id);
-    this.selected = this.lights[0]?.id ?? null;
-    this.#tell("lights");
-    this.#tell("selected");
+    this.setLights(this.lights.filter((light) => light.id !== id));
   }
 
   reset(id = null) {
     const original = structuredClone(this.scene.lights);
-    this.lights = id
-      ? this.lights.map((light) => (light.id === id ? original.find((l) => l.id === id) : light))
-      : original;
-    if (!this.light(this.selected)) this.selected = this.lights[0]?.id ?? null;
-    this.#tell("lights");
-    this.#tell("selected");
+    const one = (light) => (light.id === id ? original.find((l) => l.id === id) : light);
+    this.setLights(id ? this.lights.map(one) : original);
   }
 
   resetCamera() {
