@@ -54,7 +54,7 @@ class Cost:
     frame       seconds from edit to linear frame
     bytes       transport
     precompute  seconds
-    doubt       of the error: the mean over as many other edits is seldom more than this above
+    doubt       of the error: that of all pixels, over as many other edits, is seldom more above
     """
 
     error: float
@@ -100,21 +100,26 @@ class Pilots:
         apart, whole = lit(few), lit(small)
         shrunk = (_side(small.camera) / _side(scene.camera)) ** SHRINKS
         self._direct = [_direct_of(apart, whole, self._trial, k, shrunk) for k in range(len(edits))]
+        # What some of the pixels do not tell of all of them.
+        self._few = math.sqrt(1 - _pixels(few.camera) / _pixels(scene.camera))
         self.count = 0
 
     def run(self, method: str, settings: Any) -> Cost:
         """A picture of every edit, against its reference."""
         cost, images = self._run(self._trial, method, settings, REPEATS)
         apart = "lights" in METHODS[method].edits
-        errors = []
+        errors, unsure = [], []
         for k, (image, truth) in enumerate(zip(images, self._trial.truths, strict=True)):
             direct, kept = self._direct[k], self._trial.kept[k]
             own = direct.error if apart else 0.0
             if apart:
                 image, truth = image - direct.image, direct.others
-            off = _power(image - truth.image, truth.variance, kept)
+            off, more = _power(image - truth.image, truth.variance, kept)
             errors.append(math.sqrt(off / direct.power + own**2))
-        doubt = SURELY * math.sqrt(2 / len(errors)) * float(np.std(errors, ddof=1))
+            more *= self._few
+            unsure.append(math.sqrt((off + more) / direct.power + own**2) - errors[-1])
+        among = math.sqrt(2 / len(errors)) * float(np.std(errors, ddof=1))
+        doubt = SURELY * math.hypot(among, float(np.mean(unsure)))
         return replace(cost, error=float(np.mean(errors)), doubt=doubt)
 
     def lacking(self, method: str) -> float:
@@ -122,7 +127,7 @@ class Pilots:
         if not METHODS[method].lamps_alone:
             return 0.0
         left = [
-            _power(direct.others.image, direct.others.variance, kept) / direct.power
+            _power(direct.others.image, direct.others.variance, kept)[0] / direct.power
             for direct, kept in zip(self._direct, self._trial.kept, strict=True)
         ]
         return float(np.mean(np.sqrt(left)))
@@ -198,9 +203,9 @@ def _direct_of(few: Trial, small: Trial, trial: Trial, k: int, shrunk: float) ->
     truth, every = few.truths[k], trial.truths[k]
     variance = every.variance + truth.variance
     others = replace(every, image=every.image - truth.image, variance=variance)
-    power = max(_power(every.image, every.variance, trial.kept[k]), 1e-30)
+    power = max(_power(every.image, every.variance, trial.kept[k])[0], 1e-30)
     seen = small.truths[k]
-    off = _power(_drawn(small, k) - seen.image, seen.variance, small.kept[k])
+    off, _ = _power(_drawn(small, k) - seen.image, seen.variance, small.kept[k])
     return _Direct(_drawn(few, k), shrunk * math.sqrt(off / power), others, power)
 
 
@@ -209,11 +214,12 @@ def _drawn(lit: Trial, k: int) -> Image:
     return View(scene).direct(scene.lights, 1).reshape(lit.truths[k].image.shape)
 
 
-def _power(image: Image, variance: Image, kept: Mask) -> float:
-    """Mean square over the pixels that count, without that of the noise."""
+def _power(image: Image, variance: Image, kept: Mask) -> tuple[float, float]:
+    """(mean square over the pixels that count without that of the noise, its standard error)."""
     if not kept.any():
-        return 0.0
-    return max(0.0, float((image.astype(np.float64) ** 2 - variance)[kept].mean()))
+        return 0.0, 0.0
+    squares = (image.astype(np.float64) ** 2 - variance)[kept].mean(axis=-1)
+    return max(0.0, float(squares.mean())), float(squares.std() / math.sqrt(len(squares)))
 
 
 def _few(scene: Scene, side: int) -> Scene:
