@@ -40,10 +40,13 @@ def test_a_pilot_is_as_far_off_as_the_whole_picture(
     trial = trial_of(knot, found._trial.edits, NOISE, store, silent)
     whole = measure(trial, "direct_to_indirect", "", SETTINGS, silent, repeats=1)
     assert cost.error == pytest.approx(whole.error["relative_l2"], rel=0.2)
-    spread = np.std([error["relative_l2"] for error in whole.errors], ddof=1)
-    assert (
-        0.3 * spread < cost.doubt / (pilots.SURELY * math.sqrt(2 / len(whole.errors))) < 3 * spread
+    # Among edits, and because they are few pixels, and their references noisy.
+    among = (
+        pilots.SURELY
+        * math.sqrt(2 / len(whole.errors))
+        * np.std([error["relative_l2"] for error in whole.errors], ddof=1)
     )
+    assert 0.5 * among < cost.doubt < cost.error
 
 
 def test_what_lacks_light_is_known_without_a_pilot(
