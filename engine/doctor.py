@@ -7,7 +7,6 @@ import os
 import platform
 import shutil
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -51,7 +50,7 @@ def examine(store: Store | None = None) -> list[Finding]:
     """Everything, one after the other, in about a second."""
     return [
         Finding("relight", "ok", f"{version('relight')} on Python {platform.python_version()}"),
-        *_threads(),
+        _threads(),
         _embree(),
         _gl(),
         _kernels(),
@@ -59,16 +58,13 @@ def examine(store: Store | None = None) -> list[Finding]:
     ]
 
 
-def _threads() -> Iterator[Finding]:
+def _threads() -> Finding:
     count, cores = thread_count(), _cores()
     says = f"{count} threads for {cores:g} cores"
-    if count > math.ceil(cores):
-        yield Finding(
-            "threads", "note", f"{says}: they wait for each other",
-            f"export RELIGHT_THREADS={math.ceil(cores)}",
-        )  # fmt: skip
-    else:
-        yield Finding("threads", "ok", says)
+    if count <= math.ceil(cores):
+        return Finding("threads", "ok", says)
+    advice = f"export RELIGHT_THREADS={math.ceil(cores)}"
+    return Finding("threads", "note", f"{says}: they wait for each other", advice)
 
 
 def _cores() -> float:

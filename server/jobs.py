@@ -99,7 +99,7 @@ class Jobs:
         with self._lock:
             job = self._active(task)
             if job is None:
-                if self._at_work() >= MOST:
+                if self.at_work >= MOST:
                     raise Busy(f"{MOST} jobs are waiting already")
                 job = Job(task)
                 self._jobs[job.id] = job
@@ -136,10 +136,7 @@ class Jobs:
     def at_work(self) -> int:
         """How many run or wait."""
         with self._lock:
-            return self._at_work()
-
-    def _at_work(self) -> int:
-        return sum(job.active for job in self._jobs.values())
+            return sum(job.active for job in self._jobs.values())
 
     def refused(self, task: Task) -> JobState | None:
         """The last job for this task, if it failed or was cancelled by request."""

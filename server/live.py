@@ -39,7 +39,7 @@ class Session:
         self._changed = asyncio.Event()
         self._send_lock = asyncio.Lock()
         self._edit: LiveEdit | None = None
-        self._came = 0.0  # when it did
+        self._came = self._since = 0.0  # when a frame was last asked for, and that drawn last was
         self._job: JobState | None = None
         self._dirty = False
         self._stopped = False  # whether the last picture was given up for a newer one
@@ -89,7 +89,7 @@ class Session:
             if not self._dirty:
                 await self._wait()
                 continue
-            seq, came = self._edit.seq if self._edit else -1, self._came
+            seq = self._edit.seq if self._edit else -1
             try:
                 await asyncio.to_thread(self.stage.scene)
                 if self._edit is not None:
@@ -104,7 +104,7 @@ class Session:
                 continue
             self._unacknowledged += 1
             await self._send_frame(drawn)
-            self.service.metrics.frame(drawn.header, "live", time.perf_counter() - came)
+            self.service.metrics.frame(drawn.header, "live", time.perf_counter() - self._since)
             # The job may have ended before this session knew that it waits for it.
             if self._job is not None:
                 await self._job_told(self.service.jobs.get(self._job.id))
@@ -116,7 +116,7 @@ class Session:
     def _draw(self) -> Drawn:
         """In the render thread: the newest edit, whichever it is by now."""
         self._dirty = False  # before the edit is read: one that comes in between counts as new
-        edit = self._edit
+        edit, self._since = self._edit, self._came
         assert edit is not None
         # A view is prepared once the hand rests, not for every camera on the way.
         if edit.scale == 1:
@@ -150,7 +150,7 @@ class Session:
         if self._job is None or state.id != self._job.id:
             return
         if state.status == "done":
-            self._job, self._dirty = None, True
+            self._job, self._came, self._dirty = None, time.perf_counter(), True
             self._changed.set()
         await self._send_text(LiveJob(job=state).model_dump_json())
 
