@@ -341,7 +341,7 @@ def test_a_copied_material_is_an_edit(editing: Any, ready: str) -> None:
     page.get_by_label("Type").select_option(label="Blinn-phong")
     pull(page, "Exponent", 0.8)
     page.get_by_label("Specular colour").fill("#40a0ff")
-    page.get_by_role("button", name="Copy").click()
+    page.get_by_role("button", name="Copy", exact=True).click()
     page.get_by_role("button", name="Copied").wait_for()
     text = page.evaluate("navigator.clipboard.readText()")
     copied = json.loads(text)
@@ -366,7 +366,7 @@ def test_a_copied_material_is_an_edit(editing: Any, ready: str) -> None:
     np.testing.assert_allclose(np.reshape(shown, (128, 128, 4))[..., :3], drawn, atol=1)
     # Where the browser refuses, the text is there to be copied by hand.
     page.evaluate("() => { navigator.clipboard.writeText = () => Promise.reject(new Error()); }")
-    page.get_by_role("button", name="Copy").click()
+    page.get_by_role("button", name="Copy", exact=True).click()
     box = page.get_by_label("Text to copy")
     bounds, side = box.bounding_box(), page.locator("#editor").bounding_box()
     assert bounds is not None
