@@ -33,11 +33,11 @@ LADDERS: dict[str, dict[str, tuple[Any, ...]]] = {
         "gather_texels": (8, 16, 32),
     },
     "brdf_editing": {
-        "bands": (16, 32, 64, 128),
-        "second_bands": (1, 8, 16),
         "gather_samples": (1024, 4096, 16384, 65536),
         "view_rays": (64, 128, 256, 512, 1024),
         "bounces": (0, 2, 5, 8),
+        "second_bands": (1, 8, 16),
+        "bands": (16, 32, 64, 128),
     },
     "wavelet_brdf": {
         "cells": (16, 32, 64),

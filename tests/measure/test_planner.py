@@ -98,6 +98,41 @@ def test_what_cannot_be_held_is_said() -> None:
     assert made_up.asked == 2, "at this rate no rung will do"
 
 
+class Methods(MadeUp):
+    """Pilots of methods whose error and frame do not depend on their settings."""
+
+    def __init__(self, **methods: tuple[float, float]) -> None:
+        self._methods = methods
+
+    def run(self, method: str, settings: Any) -> Cost:
+        error, frame = self._methods[method]
+        return Cost(error, frame, 1, 1)
+
+    def lacking(self, method: str) -> float:
+        return 0.0
+
+    def whole(self, method: str, settings: Any, small: Cost) -> Cost:
+        return small
+
+
+def best(**methods: tuple[float, float]) -> tuple[str, list[str]]:
+    choice, why_not = planner._best(list(methods), Methods(**methods), 0.05, silent)  # type: ignore[arg-type]
+    return choice.method, why_not
+
+
+def test_a_method_is_left_for_one_of_faster_frames_alone() -> None:
+    assert best(wavelet_brdf=(0.04, 0.004), brdf_editing=(0.01, 0.001)) == (
+        "wavelet_brdf", ["brdf_editing was not tried: wavelet_brdf holds the budget"],
+    )  # fmt: skip
+    assert best(wavelet_brdf=(0.04, 0.04), brdf_editing=(0.01, 0.001)) == (
+        "brdf_editing", ["wavelet_brdf holds it too, with 40 ms a frame"],
+    )  # fmt: skip
+    assert best(wavelet_brdf=(0.04, 0.04), brdf_editing=(0.2, 0.001)) == (
+        "wavelet_brdf", ["brdf_editing is up to 20.0 % off at best"],
+    )  # fmt: skip
+    assert best(wavelet_brdf=(0.3, 0.04), brdf_editing=(0.2, 0.1))[0] == "brdf_editing"
+
+
 def test_edits_that_no_method_takes_together_are_refused() -> None:
     scene = open_scene("cornell-box")
     with pytest.raises(InputError, match=r"brdf_editing takes no edits of environment.*Plan them"):
