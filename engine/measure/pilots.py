@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from engine.measure.fresh import fresh
 from engine.measure.held_out import HELD_OUT
@@ -99,7 +100,8 @@ class Pilots:
 
         apart, whole = lit(few), lit(small)
         shrunk = (_side(small.camera) / _side(scene.camera)) ** SHRINKS
-        self._direct = [_direct_of(apart, whole, self._trial, k, shrunk) for k in range(len(edits))]
+        off = shrunk * _drawn_off(whole)
+        self._direct = [_direct_of(apart, self._trial, k, off[k]) for k in range(len(edits))]
         # What some of the pixels do not tell of all of them.
         self._few = math.sqrt(1 - _pixels(few.camera) / _pixels(scene.camera))
         self.count = 0
@@ -194,19 +196,33 @@ class _Direct:
     power: float
 
 
-def _direct_of(few: Trial, small: Trial, trial: Trial, k: int, shrunk: float) -> _Direct:
+def _direct_of(few: Trial, trial: Trial, k: int, off: float) -> _Direct:
     """Under edit k.
 
-    few, small  have references of direct light, trial of all light
-    shrunk      what is left in the whole picture of an error of the small one
+    few  has references of direct light, trial of all light
+    off  how far it is off in the whole picture, as a part of itself
     """
-    truth, every = few.truths[k], trial.truths[k]
+    truth, every, kept = few.truths[k], trial.truths[k], trial.kept[k]
     variance = every.variance + truth.variance
     others = replace(every, image=every.image - truth.image, variance=variance)
-    power = max(_power(every.image, every.variance, trial.kept[k])[0], 1e-30)
-    seen = small.truths[k]
-    off, _ = _power(_drawn(small, k) - seen.image, seen.variance, small.kept[k])
-    return _Direct(_drawn(few, k), shrunk * math.sqrt(off / power), others, power)
+    power = max(_power(every.image, every.variance, kept)[0], 1e-30)
+    part = math.sqrt(_power(truth.image, truth.variance, kept)[0] / power)
+    return _Direct(_drawn(few, k), off * part, others, power)
+
+
+def _drawn_off(lit: Trial) -> NDArray[np.float64]:
+    """(edits,): how far direct light is off in a picture of it, as a part of itself.
+
+    As a part of what this picture shows, for where it has many edges it shows less than others.
+    Where nothing of an edit's light is left it is taken to be off as that of other edits is.
+    """
+    found = np.zeros(len(lit.edits))
+    for k, (truth, kept) in enumerate(zip(lit.truths, lit.kept, strict=True)):
+        power, unsure = _power(truth.image, truth.variance, kept)
+        off, _ = _power(_drawn(lit, k) - truth.image, truth.variance, kept)
+        found[k] = math.sqrt(off / power) if power > unsure else np.nan
+    known = found[~np.isnan(found)]
+    return np.where(np.isnan(found), known.mean() if len(known) else 0.0, found)
 
 
 def _drawn(lit: Trial, k: int) -> Image:

@@ -60,6 +60,7 @@ def test_interreflections(shoot: Shoot) -> None:
     assert "off all light" in sheet.rows[1].tiles[0].caption  # type: ignore[union-attr]
 
 
+@pytest.mark.sweep
 def test_terms(shoot: Shoot) -> None:
     found = FIGURES[8](shoot).document["pictures"]
     off = {p["terms"]: p["relative_l2"] for p in found}

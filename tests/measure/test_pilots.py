@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +12,11 @@ import pytest
 from engine.measure import pilots
 from engine.measure.pilots import Cost, Pilots
 from engine.measure.sweep import measure
-from engine.measure.trial import trial_of
+from engine.measure.trial import Trial, trial_of
+from engine.measure.truth import Truth
 from engine.methods.base import silent
 from engine.methods.direct_to_indirect import Settings
-from engine.scene.edits import edited_camera
+from engine.scene.edits import Edits, edited_camera
 from engine.scene.open import open_scene
 from engine.scene.scene import Scene
 from engine.store import Store
@@ -29,6 +31,7 @@ def knot() -> Scene:
     return scene.with_camera(edited_camera(scene.camera, {"width": 96, "height": 96}))
 
 
+@pytest.mark.sweep
 def test_a_pilot_is_as_far_off_as_the_whole_picture(
     knot: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -47,6 +50,22 @@ def test_a_pilot_is_as_far_off_as_the_whole_picture(
         * np.std([error["relative_l2"] for error in whole.errors], ddof=1)
     )
     assert 0.5 * among < cost.doubt < cost.error
+
+
+def test_direct_light_is_off_as_a_part_of_what_is_seen_of_it(knot: Scene) -> None:
+    """However much of the picture is edges or dark; unseen light as that of other edits."""
+    edits = [Edits(), Edits(), Edits()]
+    lit = Trial(knot.with_environment(None), edits, [], [], [], [])
+    shape = knot.camera.height, knot.camera.width
+    blank = Truth(np.zeros((*shape, 3), np.float32), np.zeros((*shape, 3), np.float32), 0.1, 1, 1)
+    drawn = pilots._drawn(replace(lit, truths=[blank]), 0)
+    dark = drawn.max(axis=2) == 0
+    few = dark.copy()
+    few[np.nonzero(~dark)[0][0]] = True
+    truths = [replace(blank, image=drawn / 1.1), replace(blank, image=drawn / 1.2)]
+    kept = [few, np.ones(shape, np.bool_), dark]
+    found = pilots._drawn_off(replace(lit, truths=[*truths, truths[0]], kept=kept))
+    np.testing.assert_allclose(found, [0.1, 0.2, 0.15], rtol=1e-4)
 
 
 def test_what_lacks_light_is_known_without_a_pilot(

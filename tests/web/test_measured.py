@@ -209,12 +209,10 @@ def test_models_are_relit_by_a_dragged_light(page: Page) -> None:
 
 
 @pytest.mark.data
-def test_real_files_are_relit_by_a_dragged_light(page: Page, shared_data: Path) -> None:
+def test_a_real_file_is_relit_by_a_dragged_light(page: Page, shared_data: Path) -> None:
     pick(page, 0.5, 0.5)
-    for k, name in enumerate(("garnet_red", "krylon_blue", "mystique")):
-        page.get_by_label("Measured material to open").set_input_files(
-            shared_data / "brdfs" / f"{name}.brdf"
-        )
-        tile = page.locator(f".tile[title='{name}.brdf'][aria-pressed=true]")
-        tile.wait_for(timeout=60_000)
-        assert relit(page, (-90, 90)[k % 2]) > 0.5, name
+    page.get_by_label("Measured material to open").set_input_files(
+        shared_data / "brdfs" / "garnet_red.brdf"
+    )
+    page.locator(".tile[title='garnet_red.brdf'][aria-pressed=true]").wait_for(timeout=60_000)
+    assert relit(page, -90) > 0.5

@@ -22,7 +22,7 @@ SIZE = 96
 @pytest.fixture(scope="module")
 def still_life(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """A service with a glossy ball over a floor, in the studio."""
-    floor = {"shape": "rectangle", "size": [4, 4], "segments": [24, 24]}
+    floor = {"shape": "rectangle", "size": [4, 4], "segments": [12, 12]}
     document = {
         "name": "ball",
         "camera": {
@@ -39,7 +39,7 @@ def still_life(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
             "floor": {"type": "diffuse", "diffuse": [0.5, 0.5, 0.5]},
         },
         "objects": [
-            {"name": "ball", "mesh": {"shape": "sphere", "radius": 0.5, "rings": 20},
+            {"name": "ball", "mesh": {"shape": "sphere", "radius": 0.5, "rings": 12},
              "material": "ball"},
             {"name": "floor", "mesh": floor, "material": "floor",
              "transform": {"translate": [0, -0.51, 0], "rotate_degrees": [-90, 0, 0]}},
