@@ -7,6 +7,7 @@ words beside the lines in place of a legend.
 from __future__ import annotations
 
 import io
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from engine.measure.document import write_json
 from engine.measure.labels import place_labels
 from engine.measure.points import DEFAULTS, PLAN, RUNG
+from engine.methods import METHODS
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
@@ -68,7 +70,8 @@ def draw(document: dict[str, Any]) -> Figure:
         _set_up_axes(axes, document, cost)
         axes.set_xlabel(words)
         _draw_front(axes, document, cost)
-        for number, points in enumerate(_lines(document).values()):
+        lines = _lines(document)
+        for number, points in zip(_numbers(lines), lines.values(), strict=True):
             x = [_cost(p, cost) for p in points]
             axes.plot(x, [_percent(p, document) for p in points], **line_style(number, size=6))
         for point in document["points"]:
@@ -91,7 +94,7 @@ def _labels(document: dict[str, Any]) -> list[tuple[float, float, str, str]]:
     A line's name stands at its largest value that is not the default.
     """
     labels, lines = [], _lines(document)
-    for number, ((method, knob), points) in enumerate(lines.items()):
+    for number, ((method, knob), points) in zip(_numbers(lines), lines.items(), strict=True):
         name = knob if len({m for m, _ in lines}) == 1 else f"{method} {knob}"
         named = max((k for k, p in enumerate(points) if not _ringed(p)), default=0)
         for k, point in enumerate(points):
@@ -149,6 +152,13 @@ def _lines(document: dict[str, Any]) -> dict[tuple[str, str], list[Point]]:
     if not lines:
         lines = {(p["method"], next(iter(p["settings"]))): [p] for p in points}
     return lines
+
+
+def _numbers(lines: Iterable[tuple[str, str]]) -> list[int]:
+    """Which colour each line has: a method has the same in all charts where it is one line."""
+    methods = [method for method, _ in lines]
+    alone = len(set(methods)) == len(methods)
+    return [list(METHODS).index(method) if alone else k for k, method in enumerate(methods)]
 
 
 def _set_up_axes(axes: Axes, document: dict[str, Any], cost: str) -> None:

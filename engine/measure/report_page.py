@@ -13,10 +13,10 @@ from engine.measure.stability import HEAD, cells, told_of
 
 STYLE = """
 :root { color-scheme: light dark }
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem }
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 84rem; margin: 2rem auto; padding: 0 1rem }
 h1, h2, h3 { line-height: 1.2 } h2 { margin-top: 3rem }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: 13px }
-th, td { padding: .25rem .6rem; border-bottom: 1px solid #8884; text-align: right }
+th, td { padding: .25rem .4rem; border-bottom: 1px solid #8884; text-align: right }
 th { text-align: right; vertical-align: bottom }
 .words { text-align: left } td:not(.words) { white-space: nowrap }
 .wide { overflow-x: auto } .bad { color: #d55e00; font-weight: 600 }
