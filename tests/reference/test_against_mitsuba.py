@@ -180,10 +180,10 @@ def keep(name: str, **pictures: np.ndarray) -> str:
     ("make", "our_samples", "their_samples"),
     [
         (cornell_box, 1024, 64),
-        (gloss_and_sky, 512, 24),
-        (gloss_and_spot, 1024, 48),
+        (gloss_and_sky, 256, 12),
+        (gloss_and_spot, 512, 24),
         (gloss_and_projector, 768, 32),
-        (disk_and_sphere, 768, 32),
+        (disk_and_sphere, 384, 16),
     ],
 )
 def test_same_picture(make, our_samples, their_samples, tmp_path):

@@ -183,12 +183,12 @@ def test_of_a_brushed_metal_in_hard_light_four_terms_are_not_enough(make: Make) 
 
 @pytest.mark.parametrize(("bounces", "last"), [(1, 2), (4, None)])
 def test_bounces_agree_with_the_reference(make: Make, bounces: int, last: int | None) -> None:
-    made = still_life(BRUSHED, ground=(0.8, 0.3, 0.2), size=32, segments=24)
+    made = still_life(BRUSHED, ground=(0.8, 0.3, 0.2), size=32, segments=16)
     fields = {"bounces": bounces, "remaining": 0.0, "gather_texels": 32}
     found = make(made, **fields).relight(Edits()).image
     without = make(made).relight(Edits()).image
-    true = render(made, samples=512, max_bounces=last).image
-    first = render(made, samples=512, max_bounces=1).image
+    true = render(made, samples=256, max_bounces=last).image
+    first = render(made, samples=256, max_bounces=1).image
     # What bounces bring, on the ball's shadowed side where it is strongest.
     kept = ~scene_edges(made)
     brought, expected = (found - without)[kept], (true - first)[kept]
@@ -204,7 +204,7 @@ def pit(albedo: float) -> Scene:
     ]  # fmt: skip
     walls = [rectangle(f"side {k}", [2, 2], *side) for k, side in enumerate(sides)]
     for wall in walls:
-        wall["mesh"]["segments"] = [12, 12]
+        wall["mesh"]["segments"] = [8, 8]
     return scene(
         camera=camera(24, position=[0.3, 2.2, 0.4], target=[0, -1, 0], fov_y_degrees=40),
         environment={"map": [1, 1, 1]},
