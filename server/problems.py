@@ -124,7 +124,8 @@ def describe(error: Exception) -> Problem:
                     field=error.field,
                     file=PurePath(error.file).name,
                 )
-            return Problem(title=TITLES[status], status=status, detail=str(error))
+            detail = error.message if isinstance(error, StoreError) else str(error)
+            return Problem(title=TITLES[status], status=status, detail=detail)
     log.error("unexpected error", exc_info=error)
     return Problem(
         title=TITLES[500],
