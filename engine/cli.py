@@ -21,7 +21,7 @@ from engine.backend.choice import wanted
 from engine.cli_measure import bench, chart, chosen, plan
 from engine.diagnosis import worth_saying
 from engine.doctor import examine
-from engine.errors import InputError, NotFound, RelightError
+from engine.errors import REFUSED, InputError, NotFound, RelightError
 from engine.images import format_of, write_image
 from engine.methods import METHODS, prepare
 from engine.methods.base import require_supported
@@ -225,6 +225,11 @@ def main() -> None:
     except RelightError as error:
         complain("bold red", "relight", str(error))
         sys.exit(2 if isinstance(error, InputError | NotFound) else 1)
+    except OSError as error:
+        if error.errno not in REFUSED:
+            raise
+        complain("bold red", "relight", f"{error.filename or 'a file'}: {error.strerror}")
+        sys.exit(1)
 
 
 if __name__ == "__main__":

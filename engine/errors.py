@@ -13,6 +13,11 @@ RelightError                 anything below; `str(error)` is a sentence a person
 
 from __future__ import annotations
 
+import errno
+
+REFUSED = {errno.ENOSPC, errno.EDQUOT, errno.EROFS}
+"""Of an OSError: the disk is full or may not be written, which is for the user to mend."""
+
 
 class RelightError(Exception):
     """Base of every error raised on purpose."""
