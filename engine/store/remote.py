@@ -90,7 +90,7 @@ class RemoteEntry:
 
     def remove(self) -> None:
         """See `Entry`."""
-        with contextlib.suppress(FileNotFoundError), _saying("removed", self.folder):
+        with _saying("removed", self.folder), contextlib.suppress(FileNotFoundError):
             self.files.rm(self.folder, recursive=True)
         shutil.rmtree(self.copies, ignore_errors=True)
 
