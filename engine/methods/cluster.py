@@ -35,11 +35,8 @@ class ClusterExecutor(Executor):
     def __init__(self, client: Any) -> None:
         self._client, self._executor = client, client.get_executor(pure=False)
         self._sent: tuple[Callable[..., Any] | None, Any] = (None, None)
-
-    @property
-    def in_flight(self) -> int:
-        """Chunks to hand out at a time: workers should not wait for the next."""
-        return max(IN_FLIGHT, 2 * sum(self._client.nthreads().values()))
+        # Chunks to hand out at a time: workers should not wait for the next.
+        self.in_flight = max(IN_FLIGHT, 2 * sum(client.nthreads().values()))
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """See `concurrent.futures`; a call may run twice, where its first worker was lost."""

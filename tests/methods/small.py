@@ -32,7 +32,12 @@ SETTINGS: dict[str, dict[str, Any]] = {
         "bounce_rays": 16,
         "second_bands": 8,
     },
-    "glossy_prt": {"light_texels": 8, "visibility_texels": 8, "terms": 2, "brdf_texels": 16},
+    "glossy_prt": {
+        "light_texels": 8,
+        "visibility_texels": 8,
+        "coarse_texels": 8,
+        "brdf_texels": 16,
+    },
     "wavelet_brdf": {"cells": 8},
 }
 
