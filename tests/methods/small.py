@@ -19,7 +19,8 @@ from engine.store import Store
 # Chunks are 64 tiles of 64 points, 4096 pixels, or a cluster of vertices: there are several each.
 SETTINGS: dict[str, dict[str, Any]] = {
     "direct_to_indirect": {
-        "gather_samples": 1024,
+        "gather_samples": 256,
+        "opening_rays": 64,
         "coefficients": 16,
         "bounce_coefficients": 16,
         "view_rays": 16,
@@ -36,6 +37,7 @@ SETTINGS: dict[str, dict[str, Any]] = {
         "light_texels": 8,
         "visibility_texels": 8,
         "coarse_texels": 8,
+        "gather_texels": 8,
         "brdf_texels": 16,
     },
     "wavelet_brdf": {"cells": 8},
@@ -46,8 +48,8 @@ SETTINGS: dict[str, dict[str, Any]] = {
 def small_scene(method: str) -> Scene:
     """A knot where a method needs gloss, else the box under its spot alone."""
     if method in ("glossy_prt", "wavelet_brdf"):
-        return small_knot(32, 32, 48)
-    box = cornell(160)
+        return small_knot(32, 32, 16)
+    box = cornell(112)
     return box.with_lights(box.lights[1:])
 
 

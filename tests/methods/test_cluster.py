@@ -96,7 +96,7 @@ def test_a_killed_worker_costs_its_chunk(
     assert digest(product) == expected[METHOD]
     # One that was lost is counted twice, if it was done and not fetched yet.
     asked = chunks["bounce"] + chunks["final"]
-    assert asked >= 8
+    assert asked >= 5
     assert asked <= counting.finished <= asked + 1
 
 
