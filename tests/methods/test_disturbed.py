@@ -135,9 +135,10 @@ def read_only(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_store_to_be_read_alone(
-    method: str, whole: dict[str, tuple[Path, str]], read_only: None
+    method: str, whole: dict[str, tuple[Path, str]], request: pytest.FixtureRequest
 ) -> None:
     folder, expected = whole[method]
+    request.getfixturevalue("read_only")
     assert digest(made(method, folder)) == expected
 
 
