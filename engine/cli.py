@@ -9,17 +9,19 @@ from __future__ import annotations
 import dataclasses
 import json
 import sys
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from engine.arguments import read_edits, sized_scene, words
+from engine.arguments import needs_extra, read_edits, sized_scene, words
 from engine.backend.choice import wanted
 from engine.cli_measure import bench, chart, chosen, plan
 from engine.diagnosis import worth_saying
 from engine.doctor import examine
-from engine.errors import InputError, NotFound, RelightError
+from engine.errors import REFUSED, InputError, NotFound, RelightError
 from engine.images import format_of, write_image
 from engine.methods import METHODS, prepare
 from engine.methods.base import require_supported
@@ -56,6 +58,10 @@ def precompute(
     ] = None,
     set_: SetOption = None,
     size: SizeOption = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="of a Dask cluster to compute on: tcp://host:8786"),
+    ] = None,
 ) -> None:
     """Precompute a scene into the store; what is there already is kept.
 
@@ -65,11 +71,20 @@ def precompute(
     if error is None and edits is not None:
         raise InputError("--edits is for --error, which plans for them")
     method, settings = chosen(opened, method, set_, error, words(edits or ""))
-    with progress_bars() as progress:
-        product = prepare(opened, method, settings, progress=progress)
+    with _executor(scheduler) as executor, progress_bars() as progress:
+        product = prepare(opened, method, settings, progress=progress, executor=executor)
     out.print(f"{method} of {opened.name}: {product.bytes / 1e6:.1f} MB")
     for name, value in dataclasses.asdict(product.settings).items():
         out.print(f"  {name} = {value}")
+
+
+def _executor(scheduler: str | None) -> AbstractContextManager[Executor | None]:
+    """The executor of a cluster, or none: the cores of this machine."""
+    if scheduler is None:
+        return nullcontext()
+    with needs_extra("cluster"):
+        from engine.methods.cluster import cluster
+    return cluster(scheduler)
 
 
 @app.command()
@@ -210,6 +225,11 @@ def main() -> None:
     except RelightError as error:
         complain("bold red", "relight", str(error))
         sys.exit(2 if isinstance(error, InputError | NotFound) else 1)
+    except OSError as error:
+        if error.errno not in REFUSED:
+            raise
+        complain("bold red", "relight", f"{error.filename or 'a file'}: {error.strerror}")
+        sys.exit(1)
 
 
 if __name__ == "__main__":

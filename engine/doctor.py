@@ -157,11 +157,13 @@ def _store(store: Store) -> Finding:
     except (RelightError, OSError) as error:
         return Finding("store", "broken", f"nothing can be kept: {error}", advice)
     if read is None or (read.arrays["numbers"] != np.arange(1000)).any():
-        says = f"{root} does not give back what was written"
+        says = f"{store.where} does not give back what was written"
         return Finding("store", "broken", says, advice)
     free = shutil.disk_usage(root).free
     used = sum(file.stat().st_size for file in root.rglob("*") if file.is_file())
     says = f"{used / 1e9:.2f} GB in {root}, {free / 1e9:.1f} GB free"
+    if store.where != str(root):
+        says = f"{store.where} keeps what it is given; of copies there are {says}"
     if free < LITTLE_FREE:
         state: State = "broken" if free < LEAST_FREE else "note"
         clean = f"rm -r {root}: all of it can be made again; or {advice}"

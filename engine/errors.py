@@ -6,12 +6,17 @@ RelightError                 anything below; `str(error)` is a sentence a person
 │   └── EditError            an edit that does not fit the scene, names the field
 │       └── EditNotSupported the method cannot take this edit; names the one that can
 ├── NotFound                 no such scene, job or method (HTTP 404)
-├── StoreError               a stored product is damaged or of another version
+├── StoreError               a stored product is damaged, or the store refuses; names the file
 ├── BackendError             GL is missing or was lost; the message says what to install
 └── Cancelled                somebody asked the work to stop
 """
 
 from __future__ import annotations
+
+import errno
+
+REFUSED = {errno.ENOSPC, errno.EDQUOT, errno.EROFS}
+"""Of an OSError: the disk is full or may not be written, which is for the user to mend."""
 
 
 class RelightError(Exception):
@@ -44,7 +49,14 @@ class NotFound(RelightError):
 
 
 class StoreError(RelightError):
-    """A stored product is damaged, or of another version."""
+    """A stored product is damaged or of another version, or the store refuses.
+
+    `file` is where it lies: for the user of this machine, not for those of a service.
+    """
+
+    def __init__(self, message: str, *, file: str = "") -> None:
+        self.message, self.file = message, file
+        super().__init__(f"{file}: {message}" if file else message)
 
 
 class BackendError(RelightError):

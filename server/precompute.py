@@ -23,7 +23,7 @@ from typing import IO, Any, cast
 from pydantic import BaseModel, ConfigDict
 
 import engine.errors
-from engine.errors import Cancelled, InputError, RelightError
+from engine.errors import Cancelled, InputError, RelightError, StoreError
 from engine.methods.base import EDITS, Progress
 from engine.scene.camera import Camera
 from engine.scene.edits import Edits
@@ -162,6 +162,8 @@ def _as_report(error: RelightError) -> dict[str, str]:
             "field": error.field,
             "file": error.file,
         }
+    if isinstance(error, StoreError):
+        return {"kind": type(error).__name__, "message": error.message, "file": error.file}
     return {"kind": type(error).__name__, "message": str(error)}
 
 

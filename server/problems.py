@@ -18,6 +18,7 @@ from pydantic import TypeAdapter, ValidationError
 from starlette.exceptions import HTTPException
 
 from engine.errors import (
+    REFUSED,
     BackendError,
     Cancelled,
     EditError,
@@ -111,6 +112,9 @@ def describe(error: Exception) -> Problem:
         error = invalid(error, skip=("body", "query", "path"))
     if isinstance(error, HTTPException) and isinstance(error.__cause__, RelightError):
         error = error.__cause__  # raised while the framework was reading the body
+    if isinstance(error, OSError) and error.errno in REFUSED:
+        log.error("%s", error)
+        error = StoreError(f"the service cannot write to its disk: {error.strerror}")
     if isinstance(error, HTTPException):
         title = TITLES.get(error.status_code, "Error")
         return Problem(title=title, status=error.status_code, detail=str(error.detail))
@@ -124,7 +128,8 @@ def describe(error: Exception) -> Problem:
                     field=error.field,
                     file=PurePath(error.file).name,
                 )
-            return Problem(title=TITLES[status], status=status, detail=str(error))
+            detail = error.message if isinstance(error, StoreError) else str(error)
+            return Problem(title=TITLES[status], status=status, detail=detail)
     log.error("unexpected error", exc_info=error)
     return Problem(
         title=TITLES[500],

@@ -54,11 +54,23 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "rich": ("engine/cli.py", "engine/terminal.py", "engine/measure/bench_tables.py"),
     "mitsuba": ("engine/measure/",),
     "mitsuba_oidn": ("engine/measure/",),
+    "dask": ("engine/methods/cluster.py",),
+    "distributed": ("engine/methods/cluster.py",),
+    "fsspec": ("engine/store/remote.py",),
     "playwright": (),
 }
 
-# Packages of the extras `chart` and `peers`.
-EXTRAS = {"flip_evaluator", "matplotlib", "mitsuba", "mitsuba_oidn", "skimage"}
+# Packages of the extras `chart`, `cluster` and `peers`.
+EXTRAS = {
+    "dask",
+    "distributed",
+    "flip_evaluator",
+    "fsspec",
+    "matplotlib",
+    "mitsuba",
+    "mitsuba_oidn",
+    "skimage",
+}
 
 # Imports that go against the order when a command is run, never when a module is loaded.
 LATE = {("engine.cli", "server")}

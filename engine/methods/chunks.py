@@ -11,16 +11,18 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from engine.methods.base import Progress
+from engine.numerics.parallel import thread_count
 from engine.store import Entry
 
-IN_FLIGHT = 8
-
+IN_FLIGHT = max(8, 2 * thread_count())  # chunks handed out at a time, where an executor has no say
 
 Arrays = dict[str, NDArray[Any]]
 
 
 class CallingThread(Executor):
     """Does at once what is submitted: for work that belongs to the thread that asks for it."""
+
+    in_flight = 1  # so that progress is told
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """A future that is done."""
@@ -57,7 +59,7 @@ def run_chunks(
     missing = [chunk for chunk in range(chunks) if chunk not in parts]
     progress(phase, len(parts), chunks)
     running: dict[Future[Arrays], int] = {}
-    most = 1 if isinstance(executor, CallingThread) else IN_FLIGHT  # so that progress is told
+    most: int = getattr(executor, "in_flight", IN_FLIGHT)
     try:
         while missing or running:
             while missing and len(running) < most:

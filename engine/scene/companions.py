@@ -11,13 +11,11 @@ from io import UnsupportedOperation
 from pathlib import Path
 from typing import Any
 
-import trimesh
-
 from engine.diagnosis import Diagnosis
 
 
-class Companions(trimesh.resolvers.Resolver):  # type: ignore[misc]
-    """The folder of a mesh file, as trimesh wants to see it."""
+class Companions:
+    """The folder of a mesh file, as trimesh wants to see it (`trimesh.resolvers.Resolver`)."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -49,6 +47,12 @@ class Companions(trimesh.resolvers.Resolver):  # type: ignore[misc]
         if path is None:
             raise FileNotFoundError(name)
         return path.read_bytes()
+
+    def __getitem__(self, name: str) -> bytes:
+        return self.get(name)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.keys()
 
     def keys(self) -> list[str]:
         """The names of the files beside the mesh."""

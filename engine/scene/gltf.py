@@ -14,7 +14,6 @@ import struct
 from typing import Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
@@ -179,6 +178,8 @@ def _nodes(header: dict[str, Any]) -> list[tuple[dict[str, Any], NDArray[np.floa
 def _local(node: dict[str, Any]) -> NDArray[np.float64]:
     if "matrix" in node:
         return np.array(node["matrix"], float).reshape(4, 4).T
+    import trimesh  # late, see `mesh_files`
+
     x, y, z, w = node.get("rotation", (0, 0, 0, 1))
     matrix: NDArray[np.float64] = trimesh.transformations.quaternion_matrix([w, x, y, z])
     matrix[:3, :3] *= np.asarray(node.get("scale", (1, 1, 1)), float)

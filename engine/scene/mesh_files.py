@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from engine.diagnosis import Diagnosis
@@ -64,6 +63,8 @@ def read_mesh_file(path: Path) -> MeshFile:
         content = path.read_bytes()
     except OSError as error:
         raise SceneError(f"cannot be read: {error.strerror}", file=str(path)) from None
+    import trimesh  # a tenth of the time that a start takes, and built-in scenes need none
+
     header = gltf.header(content, path.name) if kind in ("gltf", "glb") else {}
     if kind == "obj":
         content = absolute_indices(content)
@@ -96,6 +97,8 @@ def read_mesh_file(path: Path) -> MeshFile:
 
 
 def _trimesh_scene(content: bytes, kind: str, companions: Companions, name: str) -> Any:
+    import trimesh
+
     log = logging.getLogger("trimesh")
     level = log.level
     log.setLevel(logging.CRITICAL)
@@ -160,6 +163,8 @@ def _part(
 
 def _says_something(material: Any) -> bool:
     """Whether it is more than the empty material that stands in for none."""
+    import trimesh
+
     if isinstance(material, trimesh.visual.material.PBRMaterial):
         return True
     return bool(material.kwargs) or bool(mtl.named_image(material))

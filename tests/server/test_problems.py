@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 
 import pytest
@@ -32,6 +33,18 @@ def test_folders_stay_at_home() -> None:
     problem = describe(errors.SceneError("too bright", field="lights.0", file="/a/b/c.json"))
     assert (problem.file, problem.field, problem.detail) == ("c.json", "lights.0", "too bright")
     assert "/a/b" not in problem.model_dump_json()
+
+
+def test_a_disk_that_refuses_is_said_without_its_folders() -> None:
+    for error in (
+        errors.StoreError("cannot be written: no space", file="/a/b/c.relight"),
+        OSError(errno.ENOSPC, "no space", "/a/b/c"),
+        OSError(errno.EROFS, "no space", "/a/b/c"),
+    ):
+        problem = describe(error)
+        assert problem.status == 500
+        assert "no space" in problem.detail
+        assert "/a/b" not in problem.model_dump_json()
 
 
 def test_unexpected_errors_are_logged_and_not_shown(caplog: pytest.LogCaptureFixture) -> None:

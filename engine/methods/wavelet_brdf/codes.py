@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -21,9 +22,10 @@ from engine.brdf.diffuse import Diffuse
 from engine.brdf.measured import Measured
 from engine.brdf.table import INDEX
 from engine.brdf.wavelet.analysis import Grid
-from engine.brdf.wavelet.encoding import Encoded
+from engine.brdf.wavelet.encoding import Encoded, Target
 from engine.brdf.wavelet.tabulate import Source
 from engine.methods.base import Progress
+from engine.methods.chunks import CallingThread
 from engine.methods.wavelet_brdf.settings import Settings
 from engine.methods.wavelet_brdf.sharpness import Sharpness, sharpness_of
 from engine.scene.scene import MaterialTable, Scene
@@ -56,15 +58,20 @@ def codes_of(
     store: Store,
     used: Sequence[int],
     progress: Progress,
+    executor: Executor | None = None,
 ) -> Codes:
-    """Codes of materials that stand in the scene; of those not in `used` none is made."""
+    """Codes of materials that stand in the scene; of those not in `used` none is made.
+
+    The executor makes those that the store lacks, half a second each; None is this thread.
+    """
+    executor = executor or CallingThread()
     table = changed_table(scene.material_table, materials)
     each: list[Encoded | None] = [None] * len(materials)
     sharp: list[Sharpness | None] = [None] * len(materials)
     for k, m in enumerate(used):
         progress("codes", k, len(used))
         if has_code(materials[m], table, m):
-            each[m], sharp[m] = _code(materials[m], table.row[m], settings, store)
+            each[m], sharp[m] = _code(materials[m], table.row[m], settings, store, executor)
     progress("codes", len(used), len(used))
     model, row = table.model.copy(), table.row.copy()
     for m, code in enumerate(each):
@@ -86,7 +93,11 @@ def has_code(material: Material, table: MaterialTable, m: int) -> bool:
 
 
 def _code(
-    material: Material, row: NDArray[np.float32], settings: Settings, store: Store
+    material: Material,
+    row: NDArray[np.float32],
+    settings: Settings,
+    store: Store,
+    executor: Executor,
 ) -> tuple[Encoded, Sharpness]:
     digest = hashlib.blake2b(digest_size=16)
     target = settings.target
@@ -103,13 +114,17 @@ def _code(
         grid = Grid(**stored.meta["grid"])
         code = Encoded(stored.arrays["data"], grid, **stored.meta["quality"])
         return code, Sharpness(**stored.meta["sharp"])
-    source = source_of(material)
-    code = measured.encoded(source, settings.bits, target)
-    sharp = sharpness_of(source, code)
+    code, sharp = executor.submit(_made, material, settings.bits, target).result()
     quality = {name: getattr(code, name) for name in ("error", "worst", "light", "kept")}
     meta = {"grid": asdict(code.grid), "quality": quality, "sharp": asdict(sharp)}
     entry.write("code", {"data": code.data}, meta)
     return code, sharp
+
+
+def _made(material: Material, bits: int, target: Target) -> tuple[Encoded, Sharpness]:
+    source = source_of(material)
+    code = measured.encoded(source, bits, target)
+    return code, sharpness_of(source, code)
 
 
 def source_of(material: Material) -> Source:

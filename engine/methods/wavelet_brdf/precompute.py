@@ -19,5 +19,5 @@ def precompute(
 ) -> Wavelets:
     """Codes from the store, or made into it: a second or two for each material."""
     used = np.unique(scene.geometry.material).tolist()
-    codes = codes_of(scene, scene.materials, settings, store, used, progress)
+    codes = codes_of(scene, scene.materials, settings, store, used, progress, executor)
     return Wavelets(scene, settings, codes, store)
