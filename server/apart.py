@@ -13,22 +13,29 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from engine.errors import InputError, RelightError
 
 SECONDS = 120.0
 MEMORY = 8 << 30  # bytes of address space
+MAX_WRITTEN = 1 << 30  # bytes of one file
+NICENESS = 5  # frames go first
 
 
-def read_apart(module: str, *arguments: str) -> dict[str, Any]:
-    """What `python -m MODULE ARGUMENTS` reports; InputError where the file cannot be used."""
+def read_apart(module: str, room: Path, *arguments: str) -> dict[str, Any]:
+    """What `python -m MODULE ARGUMENTS` reports; InputError where the file cannot be used.
+
+    room  the folder that has the file, for whatever the process writes
+    """
+    paths = os.pathsep.join([*filter(None, sys.path)])
     try:
         done = subprocess.run(
             [sys.executable, "-m", module, *arguments],
             stdin=subprocess.DEVNULL,
             capture_output=True,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join([*filter(None, sys.path)])},
+            env={**os.environ, "PYTHONPATH": paths, "TMPDIR": str(room)},
             text=True,
             timeout=SECONDS,
             check=False,
@@ -50,6 +57,8 @@ def report_from(read: Callable[[], dict[str, Any]]) -> None:
 
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (MAX_WRITTEN, MAX_WRITTEN))
+        os.nice(NICENESS)
     try:
         found = read()
     except InputError as error:
