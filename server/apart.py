@@ -52,13 +52,7 @@ def read_apart(module: str, room: Path, *arguments: str) -> dict[str, Any]:
 
 def report_from(read: Callable[[], dict[str, Any]]) -> None:
     """The body of such a process: limit it, read, and report."""
-    if os.name == "posix":
-        import resource
-
-        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        resource.setrlimit(resource.RLIMIT_FSIZE, (MAX_WRITTEN, MAX_WRITTEN))
-        os.nice(NICENESS)
+    limit()
     try:
         found = read()
     except InputError as error:
@@ -66,3 +60,14 @@ def report_from(read: Callable[[], dict[str, Any]]) -> None:
     except (RelightError, MemoryError) as error:
         found = {"error": str(error) or "it needs more memory than there is"}
     print(json.dumps(found))
+
+
+def limit() -> None:
+    """From here on this process can do no harm by taking much."""
+    if os.name == "posix":
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (MAX_WRITTEN, MAX_WRITTEN))
+        os.nice(NICENESS)

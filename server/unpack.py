@@ -69,7 +69,8 @@ def _checked(
     """What is to be written and where, once all that the zip says of itself is in order."""
     if len(entries) > MAX_ENTRIES:
         raise InputError(f"it has {len(entries)} entries; {MAX_ENTRIES} are the most")
-    total, wanted = 0, {}
+    total = 0
+    wanted: dict[str, tuple[zipfile.ZipInfo, PurePosixPath]] = {}
     for entry in entries:
         shown = _shown(entry.filename)
         mode = entry.external_attr >> 16
@@ -96,9 +97,9 @@ def _checked(
         if str(name).lower() in wanted:
             raise InputError(f"{shown} is in it twice")
         wanted[str(name).lower()] = entry, name
-    for name in wanted:
-        if any(str(above) in wanted for above in PurePosixPath(name).parents):
-            raise InputError(f"{_shown(name)} lies below a file")
+    for key in wanted:
+        if any(str(above) in wanted for above in PurePosixPath(key).parents):
+            raise InputError(f"{_shown(key)} lies below a file")
     yield from wanted.values()
 
 

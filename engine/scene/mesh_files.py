@@ -132,6 +132,8 @@ def _trimesh_scene(content: bytes, kind: str, companions: Companions, name: str)
         raise SceneError(reason, file=name) from None
     except Exception as error:  # trimesh raises whatever its parsers run into
         reason = str(error) or type(error).__name__
+        if isinstance(error, KeyError):
+            reason = f"there is nothing called {reason}"
         raise SceneError(f"cannot be read as {kind.upper()}: {reason}", file=name) from None
     finally:
         log.setLevel(level)
@@ -159,7 +161,7 @@ def _part(
         np.array(mesh.vertices, np.float64),
         np.array(mesh.faces, np.int64).reshape(-1, 3),
         None if normals is None else np.array(normals, np.float64),
-        None if np.shape(uvs) != (count, 2) else np.array(uvs, np.float64),
+        None if uvs is None or np.shape(uvs) != (count, 2) else np.array(uvs, np.float64),
         names.get(id(material)),
     )
     if len(part.triangles) and not 0 <= part.triangles.min() <= part.triangles.max() < count:

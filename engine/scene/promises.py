@@ -46,7 +46,8 @@ def _elements(header: bytes, text: bool, file: str) -> Iterator[tuple[str, int, 
         if words[:1] == [b"element"] and len(words) == 3:
             yield name, count, least
             if not words[2].isdigit() or len(words[2]) > 18:
-                raise SceneError(f"its header counts {words[2][:20]!r}", file=file)
+                said = words[2][:20].decode("latin-1")
+                raise SceneError(f"its header counts {said!r}, which is no number", file=file)
             name, count, least = words[1].decode("latin-1")[:40], int(words[2]), 0
         elif words[:1] == [b"property"]:
             # Of a list its length; of a text a digit and what parts it from the next.
