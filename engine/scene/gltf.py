@@ -92,7 +92,7 @@ class Converter:
         factors = exact.get("pbrMetallicRoughness", {}).get("baseColorFactor")
         if factors is None and material.baseColorFactor is not None:
             factors = np.asarray(material.baseColorFactor) / 255.0
-        base = np.clip(np.ones(3) if factors is None else np.asarray(factors[:3], float), 0, 1)
+        base = np.ones(3) if factors is None else np.clip(_finite(factors[:3]), 0, 1)
         metallic = _unit(material.metallicFactor)
         roughness = _unit(material.roughnessFactor)
         emission = self._emission(material, exact)
@@ -116,8 +116,8 @@ class Converter:
             diffuse, specular = base, np.ones(3)
         bumps = self._image(material.normalTexture, srgb=False)
         if bumps is not None:
-            strength = float(exact.get("normalTexture", {}).get("scale", 1.0))
-            strength = float(np.clip(strength, -MAX_STEEPNESS, MAX_STEEPNESS))
+            strength = float(_finite(exact.get("normalTexture", {}).get("scale", 1.0)))
+            strength = min(max(strength, -MAX_STEEPNESS), MAX_STEEPNESS)
             images["normal"] = steeper(bumps, strength)
         made = Ggx(
             emission=emission,
@@ -155,7 +155,14 @@ class Converter:
 
 
 def _unit(value: Any) -> float:
-    return 1.0 if value is None else float(np.clip(value, 0, 1))
+    return 1.0 if value is None else float(np.clip(_finite(value), 0, 1))
+
+
+def _finite(value: Any) -> NDArray[np.float64]:
+    numbers = np.asarray(value, np.float64)
+    if not np.isfinite(numbers).all():
+        raise ValueError(f"a factor is {value}, not a finite number")
+    return numbers
 
 
 def _same_size(colour: Image | None, rough: Image | None) -> tuple[Image, Image]:

@@ -49,9 +49,9 @@ def _elements(header: bytes, text: bool, file: str) -> Iterator[tuple[str, int, 
                 said = words[2][:20].decode("latin-1")
                 raise SceneError(f"its header counts {said!r}, which is no number", file=file)
             name, count, least = words[1].decode("latin-1")[:40], int(words[2]), 0
-        elif words[:1] == [b"property"]:
+        elif words[:1] == [b"property"] and len(words) > 2:
             # Of a list its length; of a text a digit and what parts it from the next.
-            kind = words[2] if words[1:2] == [b"list"] and len(words) > 2 else words[-2]
+            kind = words[2] if words[1] == b"list" else words[1]
             least += 2 if text else _PLY_BYTES.get(kind, 1)
     yield name, count, least
 
