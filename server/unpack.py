@@ -77,7 +77,7 @@ def _checked(
         if stat.S_IFMT(mode) not in (0, stat.S_IFREG, stat.S_IFDIR):
             raise InputError(f"{shown} is a link or no plain file: only files are taken")
         name = _plain(entry.filename)
-        if entry.is_dir() or _is_litter(name):
+        if entry.filename.endswith("/") or _is_litter(name):
             continue
         kind = name.suffix.lower()
         if kind in ARCHIVES:

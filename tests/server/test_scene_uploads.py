@@ -58,7 +58,7 @@ def patched(data: bytes, signature: bytes, at: int, *words: int) -> bytes:
     return data[:place] + struct.pack(f"<{len(words)}I", *words) + data[place + 4 * len(words) :]
 
 
-ENTRY, END = b"PK\1\2", b"PK\5\6"
+START, ENTRY, END = b"PK\3\4", b"PK\1\2", b"PK\5\6"
 PLAIN = hostile.zipped({"quad.ply": hostile.ply()}, zipfile.ZIP_STORED)
 NAN = struct.pack("<f", float("nan"))
 REFUSED: dict[str, tuple[str, bytes, str]] = {
@@ -69,6 +69,9 @@ REFUSED: dict[str, tuple[str, bytes, str]] = {
     "drive": ("a.zip", hostile.zipped({"C:\\quad.ply": hostile.ply()}), "absolute"),
     "link": ("a.zip", with_mode("quad.ply", 0o120777), "link"),
     "device": ("a.zip", with_mode("quad.ply", 0o020666), "no plain file"),
+    # Its name's one byte becomes something else, which nobody reads.
+    "nameless": ("a.zip", patched(patched(hostile.zipped({"a": b"x"}), ENTRY, 28, 1 << 16),
+                 START, 26, 1 << 16), "neither a scene.json"),
     "deep": ("a.zip", hostile.zipped({"a/" * 20 + "quad.ply": b""}), "too deep"),
     "long": ("a.zip", hostile.zipped({"q" * 200 + ".ply": b""}), "no name for a file"),
     "nested": ("a.zip", hostile.zipped({"inner.zip": PLAIN}), "packed in itself"),

@@ -41,11 +41,11 @@ def test_a_scene_of_ones_own_is_opened_and_removed(visit: Any) -> None:
 
     file = {"name": "my quad.glb", "mimeType": "", "buffer": hostile.glb(*hostile.gltf())}
     page.get_by_label("Scene to open").set_input_files(file)
-    page.wait_for_function("document.title === 'my quad.glb · Relight'", timeout=60_000)
+    page.wait_for_function("() => document.title === 'my quad.glb · Relight'", timeout=60_000)
     chosen = page.get_by_role("radio", name="my quad.glb")
     assert chosen.get_attribute("aria-checked") == "true"
     assert told.text_content() == ""
-    page.wait_for_function("document.getElementById('waiting').hidden")
+    page.wait_for_function("() => document.getElementById('waiting').hidden")
     page.get_by_role("button", name="Remove my quad.glb").click()
-    page.wait_for_function(f"document.title === '{title}'")
+    page.wait_for_function(f"() => document.title === '{title}'")
     assert chosen.count() == 0
