@@ -22,6 +22,7 @@ from engine.errors import InputError, SceneError
 from engine.numerics.display import linear_from_srgb, to_srgb8
 
 _LINEAR = linear_from_srgb(np.arange(256) / 255).astype(np.float32)
+MAX_PIXELS = 1 << 28  # of a file
 _HDR_SIZE = re.compile(rb"\n[-+]Y (\d{1,9}) [-+]X (\d{1,9})\n")
 _HDR_HEADER = 1 << 16  # bytes that a header of the format never fills
 _FORMATS = {".exr": "exr", ".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".webp": "webp"}
@@ -36,6 +37,10 @@ def read_image(path: Path) -> NDArray[np.float32]:
     if not path.is_file():
         raise SceneError("there is no such image file", file=str(path))
     reader = {".exr": _read_exr, ".hdr": _read_hdr}.get(path.suffix.lower(), _read_srgb)
+    if reader is not _read_srgb:  # Pillow counts itself
+        width, height = image_size(path)
+        if not 0 < width * height <= MAX_PIXELS:
+            raise SceneError(f"{width} x {height} pixels cannot be read", file=str(path))
     image = reader(path)
     if image.size == 0:
         raise SceneError("the image is empty", file=str(path))

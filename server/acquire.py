@@ -15,7 +15,7 @@ from server.wire import Notice
 
 def acquire(path: Path) -> list[Notice]:
     """What its user should know of the material in a file; InputError where it cannot be used."""
-    report = read_apart("server.acquire", str(path))
+    report = read_apart("server.acquire", path.parent, str(path))
     return [Notice.model_validate(diagnosis) for diagnosis in report["diagnoses"]]
 
 

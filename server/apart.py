@@ -13,22 +13,29 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from engine.errors import InputError, RelightError
 
 SECONDS = 120.0
 MEMORY = 8 << 30  # bytes of address space
+MAX_WRITTEN = 1 << 30  # bytes of one file
+NICENESS = 5  # frames go first
 
 
-def read_apart(module: str, *arguments: str) -> dict[str, Any]:
-    """What `python -m MODULE ARGUMENTS` reports; InputError where the file cannot be used."""
+def read_apart(module: str, room: Path, *arguments: str) -> dict[str, Any]:
+    """What `python -m MODULE ARGUMENTS` reports; InputError where the file cannot be used.
+
+    room  the folder that has the file, for whatever the process writes
+    """
+    paths = os.pathsep.join([*filter(None, sys.path)])
     try:
         done = subprocess.run(
             [sys.executable, "-m", module, *arguments],
             stdin=subprocess.DEVNULL,
             capture_output=True,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join([*filter(None, sys.path)])},
+            env={**os.environ, "PYTHONPATH": paths, "TMPDIR": str(room)},
             text=True,
             timeout=SECONDS,
             check=False,
@@ -45,11 +52,7 @@ def read_apart(module: str, *arguments: str) -> dict[str, Any]:
 
 def report_from(read: Callable[[], dict[str, Any]]) -> None:
     """The body of such a process: limit it, read, and report."""
-    if os.name == "posix":
-        import resource
-
-        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    limit()
     try:
         found = read()
     except InputError as error:
@@ -57,3 +60,14 @@ def report_from(read: Callable[[], dict[str, Any]]) -> None:
     except (RelightError, MemoryError) as error:
         found = {"error": str(error) or "it needs more memory than there is"}
     print(json.dumps(found))
+
+
+def limit() -> None:
+    """From here on this process can do no harm by taking much."""
+    if os.name == "posix":
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (MAX_WRITTEN, MAX_WRITTEN))
+        os.nice(NICENESS)

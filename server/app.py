@@ -13,7 +13,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from engine.errors import RelightError
 from engine.resources import resource
-from server import accuracy_routes, measured_routes, problems
+from server import accuracy_routes, measured_routes, problems, upload_routes
 from server.origin import LOOPBACK, OwnPageOnly
 from server.precompute import run_in_process
 from server.routes import router
@@ -22,8 +22,8 @@ from server.stage import MEMORY, stages
 from server.token import HoldersOnly
 
 MAX_BODY = 1 << 20
-MAX_MAP, MAX_MEASURED = 1 << 27, 1 << 26
-MAX_FILE = {"/api/maps": MAX_MAP, "/api/measured": MAX_MEASURED}
+MAX_SCENE, MAX_MAP, MAX_MEASURED = 1 << 27, 1 << 27, 1 << 26
+MAX_FILE = {"/api/scenes": MAX_SCENE, "/api/maps": MAX_MAP, "/api/measured": MAX_MEASURED}
 
 # The page needs nothing but itself: images come as blobs over the live socket.
 POLICY = (
@@ -70,6 +70,7 @@ def create_app(
     app.include_router(router)
     app.include_router(measured_routes.router)
     app.include_router(accuracy_routes.router)
+    app.include_router(upload_routes.router)
     app.mount("/", StaticFiles(directory=resource("web"), html=True))
     app.add_middleware(Limits)
     if token is not None:

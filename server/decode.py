@@ -22,7 +22,7 @@ def decode(source: Path, target: Path) -> tuple[int, int]:
 
     Raises InputError where it cannot be used.
     """
-    report = read_apart("server.decode", str(source), str(target))
+    report = read_apart("server.decode", source.parent, str(source), str(target))
     return report["width"], report["height"]
 
 

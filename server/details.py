@@ -27,7 +27,7 @@ from engine.methods import METHODS
 from engine.methods.base import MaterialFit, Method
 from engine.scene.edits import Edits, edited_environment
 from engine.scene.pick import material_at
-from server.stage import Stage
+from server.stage import Stage, Stages
 from server.wire import (
     EnvironmentDetail,
     JobState,
@@ -38,7 +38,18 @@ from server.wire import (
     Notice,
     Picked,
     SceneDetail,
+    SceneSummary,
 )
+
+
+def scene_summary(stage: Stage, stages: Stages) -> SceneSummary:
+    """What a list of scenes says of one."""
+    return SceneSummary(
+        name=stage.name,
+        description=stage.description,
+        default=stage is stages.default,
+        sent=stage.sent,
+    )
 
 
 def scene_detail(

@@ -152,10 +152,15 @@ class Jobs:
         """Stop a job on request; NotFound where there is none."""
         with self._lock:
             job = self._job(identity)
-            if job.active:
-                job.watchers = {""}  # nobody: it was stopped on purpose
-                self._stop(job)
+            self._cancel(job)
             return job.state()
+
+    def cancel_all(self, scene: str) -> None:
+        """The same for all jobs of a scene."""
+        with self._lock:
+            for job in self._jobs.values():
+                if job.task.scene == scene:
+                    self._cancel(job)
 
     def listen(self, listener: Listener) -> Callable[[], None]:
         """Hear of every change, from any thread; returns how to stop hearing."""
@@ -203,6 +208,11 @@ class Jobs:
         for job in self._jobs.values():
             job.makes_room = first is not None and job.status == "running" and first.rank < job.rank
         self._lock.notify_all()
+
+    def _cancel(self, job: Job) -> None:
+        if job.active:
+            job.watchers = {""}  # nobody: it was stopped on purpose
+            self._stop(job)
 
     def _stop(self, job: Job) -> None:
         job.stop.set()

@@ -7,12 +7,8 @@ when there are too many.
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
-import hashlib
 import re
-import tempfile
-import threading
 from collections.abc import AsyncIterator
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
@@ -20,6 +16,7 @@ from engine.errors import EditError, InputError
 from engine.light.maps import BUILT_IN
 from engine.scene.edits import Edits
 from server.decode import decode
+from server.intake import Intake, sweep
 from server.stage import Stage
 from server.wire import MapSummary
 
@@ -32,10 +29,10 @@ _NAME = re.compile(r"upload:([0-9a-f]{32})")
 class Uploads:
     """The maps that were sent, this time or earlier."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, intake: Intake) -> None:
         """Nothing is created before the first map."""
-        self._folder = folder
-        self._lock = threading.Lock()
+        self._folder, self._intake = folder, intake
+        sweep(folder)
 
     def path(self, name: str) -> Path | None:
         """Where the map of a name lies; None where there is none."""
@@ -53,39 +50,31 @@ class Uploads:
 
     async def add(self, chunks: AsyncIterator[bytes], file_name: str) -> MapSummary:
         """Keep the map of an OpenEXR or Radiance HDR file; raises InputError for any other."""
-        self._folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=self._folder) as room:
-            received, digest = Path(room) / "map", hashlib.blake2b(digest_size=16)
-            with received.open("wb") as file:
-                async for chunk in chunks:
-                    digest.update(chunk)
-                    file.write(chunk)
-            label = label_of(file_name)
+        label = label_of(file_name)
+        async with self._intake.received(chunks, self._folder, "map") as (received, digest):
             try:
-                return await asyncio.to_thread(self._take, received, digest.hexdigest(), label)
+                return await self._intake.read(lambda: self._take(received, digest, label))
             except InputError as error:
                 raise InputError(error.message, field="map", file=label) from None
 
     def _take(self, received: Path, digest: str, label: str) -> MapSummary:
-        """One at a time: a map may need much memory."""
-        with self._lock:
-            with received.open("rb") as file:
-                start = file.read(4)
-            kind = next((kind for s, kind in SIGNATURES.items() if start.startswith(s)), None)
-            if kind is None:
-                raise InputError("it is neither an OpenEXR file nor a Radiance HDR file")
-            source = received.rename(received.with_suffix(kind))
-            made = received.with_name("made.exr")
-            width, height = decode(source, made)
-            summary = MapSummary(name=f"upload:{digest}", label=label, width=width, height=height)
-            made.replace(self._folder / f"{digest}.exr")
-            note = received.with_name("note")
-            note.write_text(summary.model_dump_json(), encoding="utf-8")
-            note.replace(self._folder / f"{digest}.json")
-            for old in self._files()[KEPT:]:
-                old.unlink(missing_ok=True)
-                old.with_suffix(".exr").unlink(missing_ok=True)
-            return summary
+        with received.open("rb") as file:
+            start = file.read(4)
+        kind = next((kind for s, kind in SIGNATURES.items() if start.startswith(s)), None)
+        if kind is None:
+            raise InputError("it is neither an OpenEXR file nor a Radiance HDR file")
+        source = received.rename(received.with_suffix(kind))
+        made = received.with_name("made.exr")
+        width, height = decode(source, made)
+        summary = MapSummary(name=f"upload:{digest}", label=label, width=width, height=height)
+        made.replace(self._folder / f"{digest}.exr")
+        note = received.with_name("note")
+        note.write_text(summary.model_dump_json(), encoding="utf-8")
+        note.replace(self._folder / f"{digest}.json")
+        for old in self._files()[KEPT:]:
+            old.unlink(missing_ok=True)
+            old.with_suffix(".exr").unlink(missing_ok=True)
+        return summary
 
     def _files(self) -> list[Path]:
         return sorted(self._folder.glob("*.json"), key=lambda p: p.stat().st_mtime, reverse=True)

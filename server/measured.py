@@ -8,13 +8,9 @@ them.
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
-import hashlib
 import re
 import shutil
-import tempfile
-import threading
 from collections.abc import AsyncIterator
 from pathlib import Path
 
@@ -22,6 +18,7 @@ from engine.brdf.measured import BUILT_IN, Measured
 from engine.errors import EditError, InputError
 from engine.scene.edits import Edits
 from server.acquire import acquire
+from server.intake import Intake, sweep
 from server.maps import label_of
 from server.stage import MEASURED_FILES, Stage
 from server.wire import MeasuredSent, MeasuredSummary
@@ -33,10 +30,10 @@ _NAME = re.compile(r"upload:([0-9a-f]{32})")
 class Samples:
     """The measured materials that were sent, this time or earlier."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, intake: Intake) -> None:
         """Nothing is created before the first one."""
-        self._folder = folder
-        self._lock = threading.Lock()
+        self._folder, self._intake = folder, intake
+        sweep(folder)
 
     def path(self, name: str) -> Path | None:
         """Where the file of a name lies; None where there is none."""
@@ -69,36 +66,28 @@ class Samples:
                 field="name",
                 file=label,
             )
-        self._folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=self._folder, prefix="new-") as room:
-            # Diagnoses call a material by its file.
-            received = Path(room) / (stem_of(label) + kind)
-            digest = hashlib.blake2b(digest_size=16)
-            with received.open("wb") as file:
-                async for chunk in chunks:
-                    digest.update(chunk)
-                    file.write(chunk)
+        # Diagnoses call a material by its file.
+        name = stem_of(label) + kind
+        async with self._intake.received(chunks, self._folder, name) as (received, digest):
             try:
-                return await asyncio.to_thread(self._take, received, digest.hexdigest(), label)
+                return await self._intake.read(lambda: self._take(received, digest, label))
             except InputError as error:
                 raise InputError(error.message, field=error.field, file=label) from None
 
     def _take(self, received: Path, digest: str, label: str) -> MeasuredSent:
-        """One at a time: a file may need much memory."""
-        with self._lock:
-            said = acquire(received)
-            summary = MeasuredSummary(name=f"upload:{digest}", label=label, kind="upload")
-            place = self._folder / digest
-            if self.path(summary.name) is None:
-                place.mkdir(exist_ok=True)
-                received.replace(place / received.name)
-            note = received.with_name("note")
-            note.write_text(summary.model_dump_json(), encoding="utf-8")
-            note.replace(self._folder / f"{digest}.json")
-            for old in self._notes()[KEPT:]:
-                old.unlink(missing_ok=True)
-                shutil.rmtree(old.with_suffix(""), ignore_errors=True)
-            return MeasuredSent(material=summary, diagnoses=said)
+        said = acquire(received)
+        summary = MeasuredSummary(name=f"upload:{digest}", label=label, kind="upload")
+        place = self._folder / digest
+        if self.path(summary.name) is None:
+            place.mkdir(exist_ok=True)
+            received.replace(place / received.name)
+        note = received.with_name("note")
+        note.write_text(summary.model_dump_json(), encoding="utf-8")
+        note.replace(self._folder / f"{digest}.json")
+        for old in self._notes()[KEPT:]:
+            old.unlink(missing_ok=True)
+            shutil.rmtree(old.with_suffix(""), ignore_errors=True)
+        return MeasuredSent(material=summary, diagnoses=said)
 
     def _notes(self) -> list[Path]:
         return sorted(self._folder.glob("*.json"), key=lambda p: p.stat().st_mtime, reverse=True)

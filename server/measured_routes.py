@@ -1,4 +1,4 @@
-"""The routes of measured materials: their thumbnails, and sending one in."""
+"""The route of measured materials' thumbnails."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from engine.brdf.table import AnyMaterial
 from server.measured import file_of
 from server.problems import in_json
 from server.routes import PROBLEMS, service_of
-from server.wire import MeasuredSent
 
 MATERIAL: TypeAdapter[Material] = TypeAdapter(AnyMaterial)
 
@@ -46,11 +45,3 @@ async def material_thumbnail(
     if f'"{tag}"' in if_none_match:
         return Response(status_code=304, headers=headers)
     return Response(data, media_type="image/png", headers=headers)
-
-
-@router.post("/api/measured", status_code=201)
-async def send_measured(
-    request: Request, name: Annotated[str, Query(max_length=256, description="of the file")] = ""
-) -> MeasuredSent:
-    """Keep a measured material: the bytes of a .brdf, .binary or .csv file, as they are."""
-    return await service_of(request).samples.add(request.stream(), name)

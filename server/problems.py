@@ -44,6 +44,7 @@ TITLES = {
     406: "No such image format",
     409: "The work was stopped",
     413: "The request is too large",
+    415: "No such kind of file",
     422: "The input cannot be used",
     500: "The service failed",
     503: "The service is busy",
@@ -66,6 +67,10 @@ class TooLarge(RelightError):
     """The body is over the limit."""
 
 
+class UnknownKind(RelightError):
+    """A file of a kind that is not taken."""
+
+
 class NotAcceptable(RelightError):
     """None of the image formats that the client accepts can be made."""
 
@@ -80,6 +85,7 @@ STATUS: tuple[tuple[type[RelightError], int], ...] = (
     (Busy, 503),
     (TooLarge, 413),
     (NotAcceptable, 406),
+    (UnknownKind, 415),
     (StoreError, 500),
 )
 

@@ -15,7 +15,7 @@ from engine.errors import NotFound
 from engine.images import encode
 from engine.scene.edits import Edits
 from server.accept import MEDIA_TYPES, negotiate
-from server.details import map_thumbnail, picked
+from server.details import map_thumbnail, picked, scene_summary
 from server.live import Session
 from server.maps import located
 from server.metrics import MEDIA_TYPE
@@ -26,7 +26,6 @@ from server.wire import (
     Exposure,
     JobState,
     LiveProblem,
-    MapSummary,
     MaterialDetail,
     Picked,
     Place,
@@ -79,12 +78,7 @@ async def metrics(request: Request) -> Response:
 async def list_scenes(request: Request) -> list[SceneSummary]:
     """All scenes; the default one first."""
     stages = service_of(request).stages
-    return [
-        SceneSummary(
-            name=stage.name, description=stage.description, default=stage is stages.default
-        )
-        for stage in stages.stages.values()
-    ]
+    return [scene_summary(stage, stages) for stage in [*stages.stages.values()]]
 
 
 @router.get("/api/scenes/{scene}")
@@ -145,14 +139,6 @@ async def frame(
             "Vary": "Accept",
         },
     )
-
-
-@router.post("/api/maps", status_code=201)
-async def send_map(
-    request: Request, name: Annotated[str, Query(max_length=256, description="of the file")] = ""
-) -> MapSummary:
-    """Keep an environment map: the bytes of an OpenEXR or Radiance HDR file, as they are."""
-    return await service_of(request).uploads.add(request.stream(), name)
 
 
 @router.post(

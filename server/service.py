@@ -18,12 +18,14 @@ from server import maps, measured
 from server.compared import KEPT as KEPT_COMPARED
 from server.compared import MOST_PIXELS, Compared
 from server.details import material_details, scene_detail
+from server.intake import Intake
 from server.jobs import API, Jobs
 from server.maps import Uploads
 from server.measured import Samples
 from server.metrics import Metrics
 from server.precompute import Materials, Task, run_in_process, settings_of
 from server.reader import Reader
+from server.scenes import SentScenes
 from server.shelf import Recent
 from server.stage import HELD, METHOD, Stage, Stages
 from server.wire import Chart, JobState, MaterialDetail, PrecomputeRequest, SceneDetail
@@ -52,8 +54,10 @@ class Service:
         self.sessions = 0  # live sockets that are open
         self.jobs = Jobs(self._work)
         self.reader = Reader()
-        self.uploads = Uploads(Store().root / "maps")
-        self.samples = Samples(Store().root / "measured")
+        root, intake = Store().root, Intake()
+        self.uploads = Uploads(root / "maps", intake)
+        self.samples = Samples(root / "measured", intake)
+        self.sent = SentScenes(root / "scenes", stages, intake, left=self.jobs.cancel_all)
         self.compared: Recent[str, Compared] = Recent(KEPT_COMPARED)
         self._precompute = precompute
 

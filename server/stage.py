@@ -32,6 +32,7 @@ MEMORY = 4e9  # bytes of products
 KEPT_PREVIEWS = 3
 MAP_FILES, MEASURED_FILES = {".hdr", ".exr"}, {".brdf", ".binary", ".csv"}
 MOST_FILES = 100
+SENT = "upload:"  # begins the names of scenes that were sent
 CAMERA = frozenset({"camera"})
 HELD = CAMERA | {"materials"}  # what products may be made for
 
@@ -70,8 +71,16 @@ class Stage:
         """The opened scene; what is wrong with it is raised every time."""
         with self._lock:
             if self._scene is None:
-                self._scene = open_scene(self.source)
+                try:
+                    self._scene = open_scene(self.source)
+                except NotFound:  # which says where it looked
+                    raise NotFound(f"the file of scene {self.name!r} is gone") from None
             return self._scene
+
+    @property
+    def sent(self) -> bool:
+        """Whether somebody sent it."""
+        return self.name.startswith(SENT)
 
     def camera(self, edits: Edits) -> Camera:
         """The camera under the edits."""
@@ -100,7 +109,7 @@ class Stage:
     def _files(self, kinds: set[str]) -> list[str]:
         if self.source in scenes():
             return []
-        names = sorted(path.name for path in Path(self.source).parent.iterdir())
+        names = sorted(path.name for path in Path(self.source).parent.glob("*"))
         return [name for name in names if self._has_file(name, kinds)][:MOST_FILES]
 
     def _has_file(self, name: str, kinds: set[str]) -> bool:
@@ -214,8 +223,18 @@ class Stages:
         try:
             return self.stages[name]
         except KeyError:
-            known = ", ".join(self.stages)
-            raise NotFound(f"there is no scene {name!r}; there are {known}") from None
+            known = ", ".join(name for name in self.stages if not name.startswith(SENT))
+            raise NotFound(f"there is no scene {name!r:.80}; there are {known}") from None
+
+    def join(self, name: str, path: Path, description: str) -> Stage:
+        """The stage of a scene that was sent; a new one where it is not here."""
+        return self.stages.setdefault(
+            name, Stage(name, str(path.resolve()), description, self.shelf)
+        )
+
+    def leave(self, name: str) -> None:
+        """A scene that was sent goes; who looks at it may go on."""
+        self.stages.pop(name, None)
 
 
 def stages(sources: Sequence[str], memory: float = MEMORY) -> Stages:

@@ -62,11 +62,12 @@ class Notice(Wire):
 
 
 class SceneSummary(Wire):
-    """A scene in the list; `default` is the one that the page opens."""
+    """A scene in the list; `default` is the one that the page opens, `sent` came by POST."""
 
     name: str
     description: str
     default: bool
+    sent: bool
 
 
 class MethodState(Wire):

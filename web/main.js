@@ -15,6 +15,7 @@ import { Panel } from "./panel.js";
 import { Picking } from "./picking.js";
 import { Reference } from "./reference.js";
 import { Requests } from "./requests.js";
+import { Scenes, called, choice } from "./scenes.js";
 import { Snapshots } from "./snapshots.js";
 import { State } from "./state.js";
 import { Status, told } from "./status.js";
@@ -88,6 +89,7 @@ const reference = new Reference(state, find, { call });
 const keep = new Keep(state, find, { problem: (detail) => status.problem({ detail }) });
 new Snapshots(state, find, keep);
 new History(state, { undo: find("undo"), redo: find("redo") });
+const scenes = new Scenes(find, { call, open });
 const orbit = new Orbit(state, find("picture"), find("camera-mode"));
 
 state.listen((what, moving) => {
@@ -114,7 +116,7 @@ state.listen((what, moving) => {
 
 async function call(path, options = {}) {
   const response = await fetch(path, options);
-  const body = await response.json();
+  const body = response.status === 204 ? null : await response.json();
   if (!response.ok) {
     status.problem(body);
     throw new Error(told(body));
@@ -217,15 +219,6 @@ function drawMethods() {
   orbit.setMode(state.takes("camera"));
 }
 
-function choice(name, text, chosen) {
-  const button = document.createElement("button");
-  button.type = "button";
-  button.setAttribute("role", "radio");
-  button.setAttribute("aria-checked", String(chosen));
-  button.append(node("b", name), node("small", text));
-  return button;
-}
-
 function drawFacts(scene) {
   const facts = {
     Triangles: scene.triangles.toLocaleString("en"),
@@ -243,21 +236,13 @@ function node(tag, text) {
   return Object.assign(document.createElement(tag), { textContent: text });
 }
 
-function drawScenes(scenes, current) {
-  const buttons = scenes.map(({ name, description }) => {
-    const button = choice(name, description, name === current);
-    button.addEventListener("click", () => open(scenes, name));
-    return button;
-  });
-  find("scenes").replaceChildren(...buttons);
-}
-
-async function open(scenes, name) {
+async function open(known) {
+  const { name } = known;
   live?.close();
   live = null;
-  drawScenes(scenes, name);
+  scenes.draw(name);
   const waiting = find("waiting");
-  waiting.textContent = `Opening ${name} …`;
+  waiting.textContent = `Opening ${called(known)} …`;
   waiting.hidden = false;
   find("problem").hidden = true;
   status.job(null);
@@ -265,10 +250,10 @@ async function open(scenes, name) {
   try {
     scene = await call(`api/scenes/${encodeURIComponent(name)}`);
   } catch (error) {
-    waiting.textContent = `${name} cannot be opened.`;
+    waiting.textContent = `${called(known)} cannot be opened.`;
     throw error;
   }
-  document.title = `${name} · Relight`;
+  document.title = `${called(known)} · Relight`;
   const { width, height } = scene.camera;
   find("picture").style.setProperty("--ratio", width / height);
   drawFacts(scene);
@@ -292,9 +277,7 @@ find("exposure").addEventListener("change", () => {
 });
 find("camera-reset").addEventListener("click", () => state.resetCamera());
 
-const scenes = await call("api/scenes");
+await scenes.load();
 const whole = Keep.asked();
-const asked = whole?.scene ?? new URLSearchParams(location.search).get("scene");
-const first = scenes.find(({ name }) => name === asked) ?? scenes.find((scene) => scene.default);
-await open(scenes, first.name);
+await open(scenes.named(whole?.scene ?? new URLSearchParams(location.search).get("scene")));
 if (whole !== null) keep.restore(whole);

@@ -7,9 +7,11 @@ to case. Nothing outside the folder of the mesh is ever read.
 
 from __future__ import annotations
 
+import contextlib
 from io import UnsupportedOperation
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 from engine.diagnosis import Diagnosis
 
@@ -28,12 +30,14 @@ class Companions:
         # Options may stand before the file name in an MTL map.
         for candidate in (
             written,
+            unquote(written),  # glTF has URIs
             written.rsplit("/", 1)[-1],
             written.split()[-1] if written else "",
         ):
-            path = (root / candidate).resolve()
-            if candidate and path.is_relative_to(root) and path.is_file():
-                return path
+            with contextlib.suppress(OSError, ValueError):  # what no file can be called
+                path = (root / candidate).resolve()
+                if candidate and path.is_relative_to(root) and path.is_file():
+                    return path
         last = written.rsplit("/", 1)[-1].lower()
         for path in sorted(root.iterdir()):
             if path.name.lower() == last and path.is_file():
@@ -63,8 +67,8 @@ class Companions:
         raise UnsupportedOperation(f"{name} is not written: the folder of a mesh is only read")
 
     def namespaced(self, namespace: str) -> Companions:
-        """A folder below."""
-        return Companions(self.folder / namespace)
+        """Nothing is read from another folder: trimesh asks for one for some other formats."""
+        raise UnsupportedOperation(f"{namespace} is another folder")
 
     def diagnoses(self, file: str) -> list[Diagnosis]:
         """What was asked for and not found."""

@@ -15,6 +15,8 @@ from engine.scene.part import Part
 from engine.scene.scene import Geometry
 from engine.scene.tangents import vertex_tangents
 
+MAX_TRIANGLES = 1 << 26
+MAX_UV = 1e6  # beyond it float32 has nothing left for the texel
 MAX_COORDINATE = 1e9  # metres; beyond it float32 has nothing left for the shape
 
 
@@ -34,6 +36,9 @@ def assemble(
 
     names are the objects'. Raises SceneError for an object that has no triangle left.
     """
+    total = sum(len(place.part.triangles) for place in placed)
+    if total > MAX_TRIANGLES:
+        raise SceneError(f"the scene has {total:,} triangles; {MAX_TRIANGLES:,} are the most")
     made: set[str] = set()
     dropped: dict[str, int] = {}
     ready: dict[int, Part] = {}
@@ -43,6 +48,11 @@ def assemble(
             ready[id(part)] = _with_usable_normals(part)
         if ready[id(part)].normals is not part.normals:
             made.add(names[index])
+        if np.linalg.det(matrix[:3, :3]) == 0:
+            raise SceneError(
+                f"the matrix of object {names[index]!r} has no inverse: it flattens the object",
+                field="objects",
+            )
         world = _in_world(ready[id(part)], matrix)
         if not np.abs(world.positions).max(initial=0) <= MAX_COORDINATE:
             raise SceneError(
@@ -86,7 +96,8 @@ def _in_world(part: Part, matrix: NDArray[np.float64]) -> Part:
     normals = np.nan_to_num(normals) @ np.linalg.inv(linear)
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.where(length > 0, normals / np.where(length > 0, length, 1), [0.0, 1.0, 0.0])
-    uvs = np.zeros((len(positions), 2)) if part.uvs is None else np.nan_to_num(part.uvs)
+    uvs = np.zeros((len(positions), 2)) if part.uvs is None else part.uvs
+    uvs = np.where(np.abs(uvs) <= MAX_UV, uvs, 0)  # NaN as well
     return Part(positions, triangles, normals, uvs, part.material)
 
 

@@ -25,10 +25,14 @@ from engine.light.distant import DistantLight
 from engine.light.point import PointLight
 from engine.light.spot import SpotLight
 from engine.scene.camera import Camera
+from engine.scene.companions import Companions
+from engine.scene.gltf_tables import check_tables
 from engine.scene.mtl import capped, opaque
 from engine.scene.surfaces import Surface
 from engine.scene.textures import MAX_SIDE, Image, read_image, resized, steeper
 
+MAGIC = b"glTF"
+MAX_STEEPNESS = 10.0  # of a normal map
 LUMENS_PER_WATT = 683.0
 IGNORED = {
     "KHR_texture_transform": "texture transforms",
@@ -39,17 +43,22 @@ IGNORED = {
 }
 
 
-def header(content: bytes, file: str) -> dict[str, Any]:
-    """The JSON of a glTF or GLB file."""
+def header(content: bytes, beside: Companions, file: str) -> dict[str, Any]:
+    """The JSON of a glTF or GLB file; its tables fit together."""
+    binary = None
     try:
-        if content[:4] == b"glTF":
+        if content[:4] == MAGIC:
             length = struct.unpack_from("<I", content, 12)[0]
+            if len(content) >= 28 + length:
+                binary = struct.unpack_from("<I", content, 20 + length)[0]
+                binary = min(binary, len(content) - 28 - length)
             content = content[20 : 20 + length]
         found = json.loads(content)
-    except (ValueError, struct.error) as error:
+    except (ValueError, RecursionError, struct.error) as error:
         raise SceneError(f"cannot be read as glTF: {error}", file=file) from None
     if not isinstance(found, dict) or "asset" not in found:
         raise SceneError("cannot be read as glTF: it has no asset", file=file)
+    check_tables(found, binary, beside, file)
     return found
 
 
@@ -82,7 +91,7 @@ class Converter:
         factors = exact.get("pbrMetallicRoughness", {}).get("baseColorFactor")
         if factors is None and material.baseColorFactor is not None:
             factors = np.asarray(material.baseColorFactor) / 255.0
-        base = np.clip(np.ones(3) if factors is None else np.asarray(factors[:3], float), 0, 1)
+        base = np.ones(3) if factors is None else np.clip(_finite(factors[:3]), 0, 1)
         metallic = _unit(material.metallicFactor)
         roughness = _unit(material.roughnessFactor)
         emission = self._emission(material, exact)
@@ -106,8 +115,9 @@ class Converter:
             diffuse, specular = base, np.ones(3)
         bumps = self._image(material.normalTexture, srgb=False)
         if bumps is not None:
-            strength = exact.get("normalTexture", {}).get("scale", 1.0)
-            images["normal"] = steeper(bumps, float(strength))
+            strength = float(_finite(exact.get("normalTexture", {}).get("scale", 1.0)))
+            strength = min(max(strength, -MAX_STEEPNESS), MAX_STEEPNESS)
+            images["normal"] = steeper(bumps, strength)
         made = Ggx(
             emission=emission,
             diffuse=tuple(diffuse.tolist()),
@@ -144,7 +154,14 @@ class Converter:
 
 
 def _unit(value: Any) -> float:
-    return 1.0 if value is None else float(np.clip(value, 0, 1))
+    return 1.0 if value is None else float(np.clip(_finite(value), 0, 1))
+
+
+def _finite(value: Any) -> NDArray[np.float64]:
+    numbers = np.asarray(value, np.float64)
+    if not np.isfinite(numbers).all():
+        raise ValueError(f"a factor is {value}, not a finite number")
+    return numbers
 
 
 def _same_size(colour: Image | None, rough: Image | None) -> tuple[Image, Image]:

@@ -6,9 +6,10 @@ backslashes or in another folder, colours without rounding to bytes, lights and 
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,7 @@ from engine.scene.camera import Camera
 from engine.scene.companions import Companions
 from engine.scene.obj import absolute_indices
 from engine.scene.part import Part
+from engine.scene.promises import check_ply, check_stl
 from engine.scene.surfaces import Surface
 
 FORMATS = ("obj", "ply", "stl", "gltf", "glb")
@@ -65,35 +67,50 @@ def read_mesh_file(path: Path) -> MeshFile:
         raise SceneError(f"cannot be read: {error.strerror}", file=str(path)) from None
     import trimesh  # a tenth of the time that a start takes, and built-in scenes need none
 
-    header = gltf.header(content, path.name) if kind in ("gltf", "glb") else {}
-    if kind == "obj":
+    header: dict[str, Any] = {}
+    if kind in ("gltf", "glb"):
+        header = gltf.header(content, companions, path.name)
+        # Whatever its name says: what has been checked is what is read.
+        kind = "glb" if content[:4] == gltf.MAGIC else "gltf"
+    elif kind == "obj":
         content = absolute_indices(content)
+    else:
+        {"ply": check_ply, "stl": check_stl}[kind](content, path.name)
     scene = _trimesh_scene(content, kind, companions, path.name)
-    converter = gltf.Converter(header, path.name) if header else mtl.Converter(companions)
+    with _broken("its materials", path.name):
+        converter = gltf.Converter(header, path.name) if header else mtl.Converter(companions)
     surfaces: dict[str, Surface] = {}
     names: dict[int, str] = {}
     parts: dict[str, Part] = {}
     nodes = []
     for node in scene.graph.nodes_geometry:
-        matrix, key = scene.graph[node]
-        mesh = scene.geometry[key]
-        if not isinstance(mesh, trimesh.Trimesh):
-            continue  # points and lines have no surface
-        if key not in parts:
-            parts[key] = _part(mesh, key, path.name, names, surfaces, converter.surface)
-        name = key if list(scene.graph.geometry_nodes[key]) == [node] else f"{key} {node}"
-        nodes.append(Node(name, parts[key], np.array(matrix, np.float64)))
+        with _broken(f"node {node!r:.80}", path.name):
+            matrix, key = scene.graph[node]
+            mesh = scene.geometry[key]
+            if not isinstance(mesh, trimesh.Trimesh) or not np.any(matrix[:3, :3]):
+                continue  # points and lines have no surface, a scale of 0 hides what there is
+            if key not in parts:
+                parts[key] = _part(mesh, key, path.name, names, surfaces, converter.surface)
+            name = key if list(scene.graph.geometry_nodes[key]) == [node] else f"{key} {node}"
+            nodes.append(Node(name, parts[key], np.array(matrix, np.float64)))
     if not nodes:
         raise SceneError("the file holds no triangles", file=path.name)
-    try:
+    with _broken("its lights or its camera", path.name):
         lights, camera = gltf.lights(header), gltf.camera(header)
-    except (KeyError, IndexError, TypeError, ValueError) as error:
-        reason = f"{type(error).__name__}: {error}".splitlines()[0]
-        raise SceneError(
-            f"its lights or its camera are broken ({reason})", file=path.name
-        ) from None
     diagnoses = (*converter.diagnoses(), *companions.diagnoses(path.name))
     return MeshFile(tuple(nodes), surfaces, lights, camera, diagnoses)
+
+
+@contextlib.contextmanager
+def _broken(what: str, file: str) -> Iterator[None]:
+    """Whatever goes wrong with a part of a file is the file's fault."""
+    try:
+        yield
+    except (SceneError, MemoryError):
+        raise
+    except Exception as error:  # anything may be of another kind than it should be
+        reason = f"{type(error).__name__}: {error}".splitlines()[0]
+        raise SceneError(f"{what} cannot be used ({reason:.200})", file=file) from None
 
 
 def _trimesh_scene(content: bytes, kind: str, companions: Companions, name: str) -> Any:
@@ -118,6 +135,8 @@ def _trimesh_scene(content: bytes, kind: str, companions: Companions, name: str)
         raise SceneError(reason, file=name) from None
     except Exception as error:  # trimesh raises whatever its parsers run into
         reason = str(error) or type(error).__name__
+        if isinstance(error, KeyError):
+            reason = f"there is nothing called {reason}"
         raise SceneError(f"cannot be read as {kind.upper()}: {reason}", file=name) from None
     finally:
         log.setLevel(level)
@@ -135,6 +154,9 @@ def _part(
     if material is not None and id(material) not in names and _says_something(material):
         names[id(material)] = unique(material.name or "material", surfaces)
         surfaces[names[id(material)]] = to_surface(material)
+    count = len(mesh.vertices)
+    if np.shape(mesh.vertices) != (count, 3):
+        raise SceneError(f"vertices of object {name!r} have no three coordinates", file=file)
     uvs = getattr(mesh.visual, "uv", None)
     # trimesh makes normals up on demand; only its cache tells whether the file had some.
     normals = mesh.vertex_normals if "vertex_normals" in mesh._cache else None
@@ -142,10 +164,9 @@ def _part(
         np.array(mesh.vertices, np.float64),
         np.array(mesh.faces, np.int64).reshape(-1, 3),
         None if normals is None else np.array(normals, np.float64),
-        None if uvs is None or len(uvs) != len(mesh.vertices) else np.array(uvs, np.float64),
+        None if uvs is None or np.shape(uvs) != (count, 2) else np.array(uvs, np.float64),
         names.get(id(material)),
     )
-    count = len(part.positions)
     if len(part.triangles) and not 0 <= part.triangles.min() <= part.triangles.max() < count:
         raise SceneError(
             f"object {name!r} refers to vertex {part.triangles.max()} but has only {count}",

@@ -77,5 +77,7 @@ def _document(path: Path) -> Any:
         raise SceneError(
             f"is not JSON: {error.msg} in line {error.lineno}, column {error.colno}"
         ) from None
-    except (UnicodeDecodeError, RecursionError, OSError) as error:
+    except OSError as error:
+        raise SceneError(f"cannot be read: {error.strerror}") from None
+    except (ValueError, RecursionError) as error:
         raise SceneError(f"cannot be read: {error}") from None

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import EpsImagePlugin
 from PIL import Image as Pillow
 
 from engine.errors import SceneError
@@ -15,6 +16,10 @@ Image = NDArray[np.float32]
 """(height, width, 3) float32, linear, rows from the bottom up."""
 
 MAX_SIDE = 2048
+MAX_PIXELS = 1 << 27  # of a file
+
+# Nobody's picture is a program to be run by another one.
+EpsImagePlugin.gs_binary = False
 
 
 def read_image(source: Path | Pillow.Image, name: str, *, srgb: bool) -> tuple[Image, int]:
@@ -27,9 +32,12 @@ def read_image(source: Path | Pillow.Image, name: str, *, srgb: bool) -> tuple[I
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             opened = source if isinstance(source, Pillow.Image) else Pillow.open(source)
+            if opened.width * opened.height > MAX_PIXELS:
+                raise ValueError(f"{opened.width} x {opened.height} pixels are too many")
             values = _values(opened, srgb)
     except Exception as error:  # Pillow raises whatever its decoders raise
-        raise SceneError(f"cannot be read as an image: {error}", file=name) from None
+        reason = str(error).replace(str(source), name)
+        raise SceneError(f"cannot be read as an image: {reason}", file=name) from None
     side = max(values.shape[:2])
     if side > MAX_SIDE:
         values = resized(

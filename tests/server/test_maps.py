@@ -24,6 +24,7 @@ from engine.methods.base import Progress
 from engine.scene.builtin import cornell_box
 from server.app import MAX_MAP, create_app
 from server.decode import MAX_PIXELS
+from server.intake import Intake
 from server.maps import KEPT, LABEL, Uploads, label_of
 from server.precompute import Task
 
@@ -198,7 +199,7 @@ def test_a_sun_does_not_blacken_the_rest_of_the_picture(client: httpx.Client) ->
 
 
 def test_the_oldest_go(tmp_path: Path) -> None:
-    uploads = Uploads(tmp_path)
+    uploads = Uploads(tmp_path, Intake())
     for k in range(KEPT + 3):
         stem = f"{k:032x}"
         (tmp_path / f"{stem}.exr").write_bytes(b"")

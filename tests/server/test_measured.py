@@ -20,6 +20,7 @@ from PIL import Image
 from engine.brdf.acquisition.csv_table import COLUMNS
 from engine.brdf.thumbnail import SIZE
 from server.app import MAX_MEASURED, create_app
+from server.intake import Intake
 from server.measured import KEPT, Samples, stem_of
 
 Serving = Callable[[FastAPI], AbstractContextManager[str]]
@@ -258,7 +259,7 @@ def test_too_large_a_file(client: httpx.Client) -> None:
 
 
 def test_the_oldest_go(tmp_path: Path) -> None:
-    samples = Samples(tmp_path)
+    samples = Samples(tmp_path, Intake())
     for k in range(KEPT + 3):
         digest = f"{k:032x}"
         (tmp_path / digest).mkdir()
