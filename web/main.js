@@ -279,7 +279,7 @@ async function open(scenes, name) {
       if (problem.field === "materials" && "materials" in state.edits()) materials.again();
       else status.problem(problem);
     },
-    connected: (on) => status.connected(on),
+    connected: (way) => status.connected(way),
   });
   state.open(scene);
 }
