@@ -54,7 +54,7 @@ class Rates:
 
 _KINDS = re.compile(
     r"/api/(?P<uploads>maps|measured|scenes)/?$"
-    r"|/api/scenes/[^/]+/((?P<jobs>precompute|chart|reference)|(?P<frames>frame))$"
+    r"|/api/scenes/[^/]+/(?:(?P<jobs>precompute|chart|reference)|(?P<frames>frame))$"
 )
 
 
