@@ -20,7 +20,7 @@ DOCUMENT: dict[str, Any] = {
     "scene": "box",
     "cores": 2,
     "start": {"listening": 1.0, "first_pixels": 1.5, "with_product": 2.0},
-    "transport": {"socket": TRANSPORT, "request": TRANSPORT},
+    "transport": {"socket": {**TRANSPORT}, "request": {**TRANSPORT}},
     "clients": {
         "frames": [50] * 16, "per_second": 40.0, "slowest_over_mean": 0.9, "answer_p95_ms": 300.0,
         "stale": 0, "errors": [], **FLAT,

@@ -81,6 +81,7 @@ def test_the_examples_of_the_readme(
         assert "http://127.0.0.1:8000" in block
         code = block.replace("http://127.0.0.1:8000", address).replace("cornell-box", "tiny-box")
         exec(code, kept)
-    assert Image.open(tmp_path / "frame.png").size == kept["picture"].size == (24, 18)
+    with Image.open(tmp_path / "frame.png") as frame:
+        assert frame.size == kept["picture"].size == (24, 18)
     assert kept["picture"].info["method"] == "direct_to_indirect"
     kept["relight"].close()

@@ -51,7 +51,8 @@ NUMBERS = itertools.count(1)
 def ask(address: str) -> Iterator[Client]:
     """Somebody of whom the service has not heard, behind a proxy on this machine."""
     host = f"10.1.2.{next(NUMBERS)}"
-    with Client(base_url=address, headers={"X-Forwarded-For": host}) as client:
+    headers = {"X-Forwarded-For": host}
+    with Client(base_url=address, headers=headers, timeout=60) as client:
         yield client
 
 
