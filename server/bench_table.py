@@ -21,7 +21,7 @@ def lines(document: dict[str, Any]) -> Iterator[str]:
         f"{document['cores']} cores"
     )
     for what, measured, asked, holds in rows(document):
-        yield f"{what:<46} {measured:>20}   {asked:<22} {'' if holds else 'MISSED'}".rstrip()
+        yield f"{what:<56} {measured:>14}   {asked:<22} {'' if holds else 'MISSED'}".rstrip()
 
 
 def rows(document: dict[str, Any]) -> Iterator[tuple[str, str, str, bool]]:

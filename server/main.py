@@ -19,7 +19,7 @@ from server.token import checked
 
 TRIES = 20
 UNREAD_SECONDS = 20  # that a client may leave unread what was sent to it, or be away
-SEND_BUFFER = 1 << 17  # bytes of a connection that the system keeps: a frame or two
+SEND_BUFFER = 1 << 18  # bytes of a connection that the system keeps: a frame or two
 
 
 def serve(
