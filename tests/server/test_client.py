@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -62,12 +63,17 @@ def test_what_is_refused_is_said(relight: Relight) -> None:
 
 
 def test_it_comes_back_when_told(
-    tiny_scene: Path, serving: Callable[[FastAPI], AbstractContextManager[str]]
+    tiny_scene: Path,
+    serving: Callable[[FastAPI], AbstractContextManager[str]],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    rates = Rates(requests=Rate(1, 2.0))
+    sleep, waits = time.sleep, list[float]()
+    monkeypatch.setattr("server.client.time.sleep", lambda s: (waits.append(s), sleep(s)))
+    rates = Rates(requests=Rate(1, 1.0))
     app = create_app([str(tiny_scene)], precompute_at_start=False, rates=rates)
     with serving(app) as address, Relight(address) as relight:
         assert relight.scenes() == relight.scenes()
+    assert waits == [1.0]
 
 
 def test_the_examples_of_the_readme(

@@ -79,7 +79,7 @@ def test_who_rests_with_nothing_to_acknowledge_stays(target: Target) -> None:
                 data = socket.recv()
             assert header_of(data)["seq"] == seq
             socket.send(json.dumps({"type": "ack", "seq": seq}))
-            time.sleep(2 * SILENT_SECONDS)
+            time.sleep(1.5 * SILENT_SECONDS)
 
 
 def test_a_frame_shows_the_edit_that_it_names_and_none_is_stale(target: Target) -> None:
