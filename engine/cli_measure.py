@@ -211,10 +211,20 @@ def bench(
     gl: Annotated[
         bool, typer.Option("--gl", help="the same frames by OpenGL too, and how far apart they are")
     ] = False,
+    service: Annotated[
+        bool,
+        typer.Option("--service", help="instead: transport, many clients, some that stop, start"),
+    ] = False,
+    seconds: Annotated[
+        float, typer.Option(min=1, help="that the many clients of --service drag at once")
+    ] = 120.0,
     set_: SetOption = None,
     size: SizeOption = None,
 ) -> None:
     """Time precompute and frames, as ratios to this machine's bandwidth and to other renderers."""
+    if service:
+        _bench_service(scenes or ["cornell-box"], seconds, as_json)
+        return
     with needs_extra("chart"):
         from engine.measure.bench import SCENES
         from engine.measure.bench import bench as run_bench
@@ -237,3 +247,17 @@ def bench(
         print(json.dumps(document, indent=1))
     else:
         out.print(*bench_tables(document), sep="\n")
+
+
+def _bench_service(scenes: list[str], seconds: float, as_json: bool) -> None:
+    from server.bench import bench as run_bench
+    from server.bench_table import lines
+
+    if len(scenes) > 1:
+        raise InputError("--service takes one scene")
+    with progress_bars() as progress:
+        document = run_bench(scenes[0], seconds, progress)
+    if as_json:
+        print(json.dumps(document, indent=1))
+    else:
+        out.print(*lines(document), sep="\n", highlight=False, markup=False)

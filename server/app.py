@@ -13,9 +13,10 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from engine.errors import RelightError
 from engine.resources import resource
-from server import accuracy_routes, measured_routes, problems, upload_routes
+from server import accuracy_routes, examples, measured_routes, problems, upload_routes
 from server.origin import LOOPBACK, OwnPageOnly
 from server.precompute import run_in_process
+from server.rates import Limited, Rates
 from server.routes import router
 from server.service import Precompute, Service
 from server.stage import MEMORY, stages
@@ -41,6 +42,7 @@ def create_app(
     names: Iterable[str] | None = LOOPBACK,
     token: str | None = None,
     memory: float = MEMORY,
+    rates: Rates | None = Rates(),  # noqa: B008 - frozen
 ) -> FastAPI:
     """The service for these scenes (built-in names or files) and all built-in ones.
 
@@ -50,6 +52,7 @@ def create_app(
     names                that the service may be called by, None for any
     token                that everybody has to send, None for nobody
     memory               bytes that products may take; the one used last may take more
+    rates                what one client may ask for, None for anything
     Raises NotFound where a name is neither a built-in scene nor a file.
     """
     service = Service(stages(scenes, memory), precompute, settings)
@@ -71,10 +74,13 @@ def create_app(
     app.include_router(measured_routes.router)
     app.include_router(accuracy_routes.router)
     app.include_router(upload_routes.router)
+    examples.install(app)
     app.mount("/", StaticFiles(directory=resource("web"), html=True))
     app.add_middleware(Limits)
     if token is not None:
         app.add_middleware(HoldersOnly, token=token)
+    if rates is not None:
+        app.add_middleware(Limited, rates=rates)
     app.add_middleware(OwnPageOnly, names=names)
     return app
 

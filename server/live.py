@@ -3,6 +3,9 @@
 A session holds the newest edit only. Its frame is drawn when the render thread comes to it, from
 the edit that is newest at that moment. No more than two frames are under way: drawn or sent, and
 not yet acknowledged. When a better product for the view arrives, the last edit is drawn again.
+
+A client that stops reading is dropped: one that leaves a frame unacknowledged for SILENT_SECONDS,
+and one that nothing can be sent to for so long, whatever it acknowledges.
 """
 
 from __future__ import annotations
@@ -11,6 +14,7 @@ import asyncio
 import contextlib
 import secrets
 import time
+from collections import deque
 
 from fastapi import WebSocket, WebSocketDisconnect
 from pydantic import TypeAdapter, ValidationError
@@ -24,7 +28,8 @@ from server.wire import JobState, LiveAck, LiveEdit, LiveJob, LiveMessage, LiveP
 from server.worker import Drawn, Order, draw
 
 IN_FLIGHT = 2
-SILENT_SECONDS = 20.0
+SILENT_SECONDS = 15.0
+CLOSE_SECONDS = 1.0
 
 _MESSAGE: TypeAdapter[LiveEdit | LiveAck] = TypeAdapter(LiveMessage)
 
@@ -43,13 +48,14 @@ class Session:
         self._job: JobState | None = None
         self._dirty = False
         self._stopped = False  # whether the last picture was given up for a newer one
-        self._unacknowledged = 0
+        self._unacknowledged: deque[float] = deque()  # when those frames were handed to the socket
 
     async def run(self) -> None:
         """Serve until the client leaves."""
         stop = self.service.jobs.listen(self._job_moved)
         self.service.sessions += 1
-        tasks = {asyncio.create_task(self._read()), asyncio.create_task(self._write())}
+        parts = self._read(), self._write(), self._silence()
+        tasks = {asyncio.create_task(part) for part in parts}
         try:
             done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         finally:
@@ -63,8 +69,8 @@ class Session:
             error = task.exception()
             if error is not None and not isinstance(error, WebSocketDisconnect | TimeoutError):
                 raise error
-        with contextlib.suppress(RuntimeError, WebSocketDisconnect):
-            await self.socket.close()
+        with contextlib.suppress(RuntimeError, WebSocketDisconnect, TimeoutError):
+            await asyncio.wait_for(self.socket.close(), CLOSE_SECONDS)
 
     async def _read(self) -> None:
         while True:
@@ -75,7 +81,8 @@ class Session:
                 await self._send_problem(-1, invalid(error, skip=("edit", "ack")))
                 continue
             if isinstance(message, LiveAck):
-                self._unacknowledged = max(0, self._unacknowledged - 1)
+                if self._unacknowledged:
+                    self._unacknowledged.popleft()
             elif self._edit is None or message.seq >= self._edit.seq:
                 self._edit, self._came, self._dirty = message, time.perf_counter(), True
             self._changed.set()
@@ -83,10 +90,7 @@ class Session:
     async def _write(self) -> None:
         while True:
             # Wait for something to draw, and for room for it.
-            if self._dirty and self._unacknowledged >= IN_FLIGHT:
-                await asyncio.wait_for(self._wait(), SILENT_SECONDS)
-                continue
-            if not self._dirty:
+            if not self._dirty or len(self._unacknowledged) >= IN_FLIGHT:
                 await self._wait()
                 continue
             seq = self._edit.seq if self._edit else -1
@@ -94,7 +98,7 @@ class Session:
                 await asyncio.to_thread(self.stage.scene)
                 if self._edit is not None:
                     await self.service.acquire(self.stage, self._edit.edits)
-                drawn = await self.service.worker.run(self._draw)
+                drawn = await self.service.worker.run(self._draw, always=True)
             except Cancelled:
                 self._stopped = True
                 continue  # to the newer edit
@@ -102,12 +106,21 @@ class Session:
                 self._dirty = self._edit is not None and self._edit.seq > seq
                 await self._send_problem(seq, error)
                 continue
-            self._unacknowledged += 1
+            self._unacknowledged.append(time.monotonic())
             await self._send_frame(drawn)
             self.service.metrics.frame(drawn.header, "live", time.perf_counter() - self._since)
             # The job may have ended before this session knew that it waits for it.
             if self._job is not None:
                 await self._job_told(self.service.jobs.get(self._job.id))
+
+    async def _silence(self) -> None:
+        """Ends once the oldest frame has not been acknowledged for too long."""
+        while True:
+            now = time.monotonic()
+            since = self._unacknowledged[0] if self._unacknowledged else now
+            if now - since >= SILENT_SECONDS:
+                return
+            await asyncio.sleep(since + SILENT_SECONDS - now)
 
     async def _wait(self) -> None:
         await self._changed.wait()

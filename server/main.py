@@ -18,6 +18,8 @@ from server.stage import MEMORY
 from server.token import checked
 
 TRIES = 20
+UNREAD_SECONDS = 20  # that a client may leave unread what was sent to it, or be away
+SEND_BUFFER = 1 << 18  # bytes of a connection that the system keeps: a frame or two
 
 
 def serve(
@@ -55,13 +57,19 @@ def serve(
 
 
 def configure(app: FastAPI) -> uvicorn.Config:
-    """How the app is served: frames are compressed already, and an edit is small."""
+    """How the app is served: frames are compressed already, and an edit is small.
+
+    The address of a client behind a proxy is the one that the proxy passes on, where uvicorn trusts
+    the proxy: on this machine, or in FORWARDED_ALLOW_IPS.
+    """
     return uvicorn.Config(
         app,
         log_level="warning",
         ws="websockets-sansio",
         ws_max_size=MAX_BODY,
         ws_per_message_deflate=False,
+        ws_ping_interval=UNREAD_SECONDS / 2,
+        ws_ping_timeout=0.4 * UNREAD_SECONDS,
         timeout_graceful_shutdown=2,
     )
 
@@ -72,6 +80,7 @@ def listen(host: str, port: int) -> socket.socket:
     for candidate in range(port, port + TRIES) if port else [0]:
         listener = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        for_connections(listener)
         try:
             listener.bind((host, candidate))
             listener.listen(128)
@@ -81,3 +90,14 @@ def listen(host: str, port: int) -> socket.socket:
             continue
         return listener
     raise RelightError(f"cannot listen on {host} from port {port} on: {error}")
+
+
+def for_connections(listener: socket.socket) -> None:
+    """Options that connections take over from the socket that listens for them."""
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
+    # The end of a frame is sent at once, not when its beginning has arrived.
+    listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    # Who does not read is cut off, with what waits for it; elsewhere than on Linux the memory of a
+    # frame or two is lost to it until it goes.
+    if hasattr(socket, "TCP_USER_TIMEOUT"):
+        listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, 1000 * UNREAD_SECONDS)

@@ -46,6 +46,7 @@ TITLES = {
     413: "The request is too large",
     415: "No such kind of file",
     422: "The input cannot be used",
+    429: "Too much at a time",
     500: "The service failed",
     503: "The service is busy",
 }
@@ -53,6 +54,10 @@ TITLES = {
 
 class Busy(RelightError):
     """Too much is waiting already; come back later."""
+
+
+class TooMany(RelightError):
+    """The client has asked for more than is its share; come back later."""
 
 
 class Forbidden(RelightError):
@@ -83,6 +88,7 @@ STATUS: tuple[tuple[type[RelightError], int], ...] = (
     (Cancelled, 409),
     (BackendError, 503),
     (Busy, 503),
+    (TooMany, 429),
     (TooLarge, 413),
     (NotAcceptable, 406),
     (UnknownKind, 415),
@@ -144,9 +150,10 @@ def describe(error: Exception) -> Problem:
     )
 
 
-def response(problem: Problem) -> Response:
-    """The problem as an HTTP answer."""
-    headers = {401: {"WWW-Authenticate": "Bearer"}, 503: {"Retry-After": "1"}}
+def response(problem: Problem, retry_seconds: int = 1) -> Response:
+    """The problem as an HTTP answer; when to come back, where that may help."""
+    later = {"Retry-After": str(retry_seconds)}
+    headers = {401: {"WWW-Authenticate": "Bearer"}, 429: later, 503: later}
     return Response(
         problem.model_dump_json(exclude_defaults=False),
         status_code=problem.status,

@@ -20,6 +20,7 @@ from server.live import Session
 from server.maps import located
 from server.metrics import MEDIA_TYPE
 from server.problems import describe, in_json
+from server.rates import client_of
 from server.service import Service
 from server.stage import METHOD
 from server.wire import (
@@ -42,7 +43,8 @@ HEARTBEAT_SECONDS = 15.0
 SETTINGS = TypeAdapter(dict[str, Any])
 
 PROBLEMS: dict[int | str, dict[str, Any]] = {
-    status: {"model": Problem, "content": {"application/problem+json": {}}} for status in (404, 422)
+    status: {"model": Problem, "content": {"application/problem+json": {}}}
+    for status in (404, 422, 429, 503)
 }
 router = APIRouter(responses=PROBLEMS)
 
@@ -126,7 +128,7 @@ async def frame(
         method=method,
         settings=in_json(SETTINGS, settings, "settings"),
     )
-    drawn = await service.frame(stage, order, watcher=f"http {scene}")
+    drawn = await service.frame(stage, order, watcher=f"http {scene} {client_of(request.scope)}")
     service.metrics.frame(drawn.header, "http", time.perf_counter() - came)
     timing = ", ".join(f"{name};dur={ms}" for name, ms in drawn.header.timings.items())
     return Response(

@@ -52,9 +52,12 @@ class Worker:
         self._pool = ThreadPoolExecutor(1, "relight-render")
         self.waiting = 0
 
-    async def run(self, work: Callable[[], T]) -> T:
-        """Do `work` in the render thread, first come first served; Busy where too much waits."""
-        if self.waiting >= MAX_WAITING:
+    async def run(self, work: Callable[[], T], *, always: bool = False) -> T:
+        """Do `work` in the render thread, first come first served; Busy where too much waits.
+
+        always  even then: for who waits for one piece of work at a time, and is one of few
+        """
+        if self.waiting >= MAX_WAITING and not always:
             raise Busy(f"{self.waiting} frames are waiting already")
         self.waiting += 1
         try:

@@ -1,11 +1,12 @@
-// The live socket: the newest edit goes out, frames come in, stale ones are thrown away.
+// The service, live: the newest edit goes out, frames come in, stale ones are thrown away. All goes
+// over a socket; where a proxy lets none through, by requests, until one opens after all.
 
-const FIRST_RETRY = 500;
-const LAST_RETRY = 5000;
+import { Polling } from "./polling.js";
+import { LiveSocket } from "./socket.js";
+
+const FAILURES = 2; // of the socket in a row, before requests take its place
 
 export class Live {
-  #socket = null;
-  #retry = FIRST_RETRY;
   #last = null;
   #seq = 0;
   #arrivals = 0;
@@ -13,12 +14,39 @@ export class Live {
   #sentAt = new Map();
   #closed = false;
 
-  // handlers: frame(bitmap, header, roundTrip, cause), job(state), problem(problem, seq),
-  // connected(boolean)
+  // handlers: frame(bitmap, header, roundTrip, cause), job(job), problem(problem, seq),
+  // connected("socket", "requests" or null)
   constructor(scene, handlers) {
-    this.scene = scene;
+    const told = (name) => (...what) => this.#closed || handlers[name](...what);
+    const [job, problem, connected] = ["job", "problem", "connected"].map(told);
     this.handlers = handlers;
-    this.#open();
+    this.requests = new Polling(scene, {
+      frame: (header, blob) => this.#frame(header, blob),
+      job,
+      problem,
+      up: () => this.#polled(true, connected),
+      down: () => this.#polled(false, connected),
+    });
+    this.socket = new LiveSocket(scene, {
+      frame: (header, blob) => this.#frame(header, blob),
+      message: (message) => {
+        if (message.type === "job") job(message.job);
+        if (message.type === "problem") problem(message.problem, message.seq);
+      },
+      up: () => {
+        this.requests.stop();
+        this.socket.rare = false;
+        connected("socket");
+        if (this.#last) this.socket.send(this.#last);
+      },
+      down: (failures) => {
+        if (this.requests.on) return;
+        connected(null);
+        if (failures < FAILURES) return;
+        this.requests.start();
+        if (this.#last) this.requests.ask(this.#last);
+      },
+    });
   }
 
   // cause is when the event came that led to this edit.
@@ -26,61 +54,26 @@ export class Live {
     this.#seq += 1;
     this.#last = { type: "edit", seq: this.#seq, ...edit };
     this.#sentAt.set(this.#seq, { sent: performance.now(), cause });
-    this.#transmit(this.#last);
+    if (this.requests.on) this.requests.ask(this.#last);
+    else this.socket.send(this.#last);
     return this.#seq;
   }
 
   close() {
     this.#closed = true;
-    this.#socket?.close();
+    this.requests.stop();
+    this.socket.close();
   }
 
-  #transmit(message) {
-    if (this.#socket?.readyState === WebSocket.OPEN) this.#socket.send(JSON.stringify(message));
+  #polled(works, connected) {
+    if (!this.requests.on) return;
+    this.socket.rare = works;
+    connected(works ? "requests" : null);
   }
 
-  #open() {
-    const url = new URL(`api/scenes/${encodeURIComponent(this.scene)}/live`, location.href);
-    url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
-    const socket = new WebSocket(url);
-    socket.binaryType = "arraybuffer";
-    socket.onopen = () => {
-      this.#retry = FIRST_RETRY;
-      this.handlers.connected(true);
-      if (this.#last) this.#transmit(this.#last);
-    };
-    socket.onmessage = ({ data }) => {
-      if (typeof data === "string") this.#text(JSON.parse(data));
-      else this.#frame(data);
-    };
-    socket.onclose = (event) => {
-      if (this.#closed) return;
-      this.handlers.connected(false);
-      if (event.code === 4404) return;
-      setTimeout(() => this.#closed || this.#open(), this.#retry);
-      this.#retry = Math.min(LAST_RETRY, 2 * this.#retry);
-    };
-    this.#socket = socket;
-  }
-
-  #text(message) {
-    if (this.#closed) return;
-    if (message.type === "job") this.handlers.job(message.job);
-    if (message.type === "problem") this.handlers.problem(message.problem, message.seq);
-  }
-
-  async #frame(data) {
+  async #frame(header, blob) {
     const arrival = (this.#arrivals += 1);
-    const length = new DataView(data).getUint32(0, true);
-    const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
-    const blob = new Blob([new Uint8Array(data, 4 + length)], { type: `image/${header.format}` });
-    let bitmap = null;
-    try {
-      bitmap = await createImageBitmap(blob);
-    } finally {
-      // The service may go on, whatever became of this frame.
-      this.#transmit({ type: "ack", seq: header.seq });
-    }
+    const bitmap = await createImageBitmap(blob);
     const { seq } = header;
     const stale =
       seq < this.#shown.seq || (seq === this.#shown.seq && arrival < this.#shown.arrival);

@@ -264,7 +264,7 @@ async function open(known) {
       if (problem.field === "materials" && "materials" in state.edits()) materials.again();
       else status.problem(problem);
     },
-    connected: (on) => status.connected(on),
+    connected: (way) => status.connected(way),
   });
   state.open(scene);
 }

@@ -16,6 +16,11 @@ const MADE = {
   wavelet_brdf: "Material coding",
 };
 
+const CONNECTED = {
+  socket: "Connected",
+  requests: "Connected, a request per frame",
+};
+
 const PHASES = {
   bounce: "bounces between surfaces, step 1 of 2,",
   final: "light from surfaces to the picture, step 2 of 2,",
@@ -38,10 +43,13 @@ export class Status {
     find("progress-action").addEventListener("click", () => action(this.#job));
   }
 
-  connected(on) {
+  // way: "socket", "requests" where something blocks sockets, or null
+  connected(way) {
     const dot = this.find("status-connection");
-    dot.className = `dot ${on ? "on" : "off"}`;
-    dot.textContent = on ? "Connected" : "Not connected, trying again …";
+    const text = CONNECTED[way] ?? "Not connected, trying again …";
+    if (dot.textContent === text) return;
+    dot.className = `dot ${way ? "on" : "off"}`;
+    dot.textContent = text;
   }
 
   frame(header, roundTrip) {
