@@ -126,6 +126,9 @@ def describe(error: Exception) -> Problem:
                 )
             return Problem(title=TITLES[status], status=status, detail=str(error))
     log.error("unexpected error", exc_info=error)
+    if isinstance(error, MemoryError):
+        detail = "the memory of the service does not suffice for this; a smaller picture takes less"
+        return Problem(title=TITLES[503], status=503, detail=detail)
     return Problem(
         title=TITLES[500],
         status=500,

@@ -73,6 +73,7 @@ export class Live {
     const arrival = (this.#arrivals += 1);
     const length = new DataView(data).getUint32(0, true);
     const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
+    header.preview = header.warnings.some(({ code }) => code === "preview_shown");
     const blob = new Blob([new Uint8Array(data, 4 + length)], { type: `image/${header.format}` });
     let bitmap = null;
     try {

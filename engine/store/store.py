@@ -133,6 +133,10 @@ class Store:
         """The entry of a key, such as a content hash; raises InputError for what is no key."""
         return Entry(self.root / _checked("key", key))
 
+    def remove(self) -> None:
+        """Remove all entries; arrays that are still mapped stay valid."""
+        shutil.rmtree(self.root, ignore_errors=True)
+
 
 def _sync_folder(folder: Path) -> None:
     """Bring the rename itself to the disk, where the system can."""
