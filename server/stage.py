@@ -166,7 +166,8 @@ class Stage:
         or for settings that are not taken any more.
         """
         name = (self.name, _key(camera, method, materials))
-        shelved, notices = self._shelf.use(name), ()
+        shelved = self._shelf.use(name)
+        notices: tuple[Diagnosis, ...] = ()
         if shelved is None:
             shelved, notices = self._shelf.use((*name, QUICK)), (SHOWN,)
         if settings:

@@ -24,20 +24,20 @@ RATE = 7e5  # rays a second and thread, with all that is done with them
 
 PREVIEWS: dict[str, dict[str, Any]] = {
     "direct_to_indirect": {
-        "gather_samples": 1024,
-        "coefficients": 12,
-        "bounce_coefficients": 10,
-        "view_rays": 34,
-        "gloss_rays": 34,
-        "gloss_coefficients": 10,
-        "opening_rays": 89,
+        "gather_samples": 4096,
+        "coefficients": 25,
+        "bounce_coefficients": 20,
+        "gloss_coefficients": 20,
+        "view_rays": 21,
+        "gloss_rays": 21,
         "bounce_rays": 89,
+        "opening_rays": 89,
     },
     "brdf_editing": {
-        "gather_samples": 1024,
+        "gather_samples": 4096,
         "view_rays": 32,
         "bounce_rays": 89,
-        "bounce_coefficients": 10,
+        "bounce_coefficients": 20,
     },
 }
 """Per method the most that a preview has of settings.
