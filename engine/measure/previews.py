@@ -25,11 +25,11 @@ RATE = 7e5  # rays a second and thread, with all that is done with them
 PREVIEWS: dict[str, dict[str, Any]] = {
     "direct_to_indirect": {
         "gather_samples": 4096,
-        "coefficients": 25,
+        "coefficients": 20,
         "bounce_coefficients": 20,
-        "gloss_coefficients": 20,
-        "view_rays": 21,
-        "gloss_rays": 21,
+        "gloss_coefficients": 12,
+        "view_rays": 16,
+        "gloss_rays": 16,
         "bounce_rays": 89,
         "opening_rays": 89,
     },
@@ -42,7 +42,8 @@ PREVIEWS: dict[str, dict[str, Any]] = {
 }
 """Per method the most that a preview has of settings.
 
-Not of `wavelet_brdf`, whose codes take a second or two and whose direct light needs none.
+Of those of a fixed view: `wavelet_brdf` draws direct light without its codes, and what `glossy_prt`
+does for every vertex takes long with any settings.
 """
 
 
