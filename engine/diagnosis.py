@@ -96,6 +96,7 @@ VOCABULARY: dict[str, Meaning] = {
         codes_pending=("the materials have not been encoded yet", "wait"),
         gl_unavailable=("the CPU draws, because GL does not", "see what it says"),
         indirect_pending=("indirect light has not been precomputed yet", "wait"),
+        preview_shown=("a quick version is shown, the whole one is not there yet", "wait"),
     ),
 }
 """Every code that there is."""

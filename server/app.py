@@ -16,9 +16,10 @@ from engine.resources import resource
 from server import accuracy_routes, examples, measured_routes, problems, upload_routes
 from server.origin import LOOPBACK, OwnPageOnly
 from server.precompute import run_in_process
+from server.products import Precompute
 from server.rates import Limited, Rates
 from server.routes import router
-from server.service import Precompute, Service
+from server.service import Service
 from server.stage import MEMORY, stages
 from server.token import HoldersOnly
 

@@ -41,6 +41,7 @@ class Job:
         self.started = self.ended = self.phase_started = 0.0
         self.stop = threading.Event()
         self.makes_room = False
+        self.preview = False
         self.problem: Problem | None = None
 
     @property
@@ -71,6 +72,7 @@ class Job:
             fraction=self.fraction,
             elapsed_seconds=round(now - self.started, 2) if self.started else 0.0,
             eta_seconds=self._eta(now),
+            preview=self.preview,
             problem=self.problem,
         )
 
@@ -161,6 +163,14 @@ class Jobs:
             for job in self._jobs.values():
                 if job.task.scene == scene:
                     self._cancel(job)
+
+    def previewed(self, task: Task) -> None:
+        """There is a preview of what the task makes."""
+        with self._lock:
+            job = self._active(task)
+            if job is not None and not job.preview:
+                job.preview = True
+                self._publish(job)
 
     def listen(self, listener: Listener) -> Callable[[], None]:
         """Hear of every change, from any thread; returns how to stop hearing."""

@@ -162,9 +162,11 @@ class Session:
     async def _job_told(self, state: JobState) -> None:
         if self._job is None or state.id != self._job.id:
             return
-        if state.status == "done":
-            self._job, self._came, self._dirty = None, time.perf_counter(), True
+        done = state.status == "done"
+        if done or (state.preview and not self._job.preview):
+            self._came, self._dirty = time.perf_counter(), True
             self._changed.set()
+        self._job = None if done else state
         await self._send_text(LiveJob(job=state).model_dump_json())
 
     async def _send_problem(self, seq: int, error: Exception) -> None:

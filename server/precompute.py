@@ -10,6 +10,7 @@ with it.
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
 import os
 import queue
@@ -27,11 +28,16 @@ from engine.errors import Cancelled, InputError, RelightError, StoreError
 from engine.methods.base import EDITS, Progress
 from engine.scene.camera import Camera
 from engine.scene.edits import Edits
+from engine.store import Store
 from server.wire import Work
 
 Materials = dict[str, dict[str, Any]]
 """Edits of materials by name, see `engine.scene.edits.Edits`."""
 Key = tuple[str, str, str]
+
+# Phases of a preview begin with this; the last of them says that it can be loaded.
+PREVIEW = "preview: "
+PREVIEW_READY = PREVIEW + "ready"
 
 NICENESS = 10
 POLL_SECONDS = 0.1
@@ -45,6 +51,7 @@ class Task(BaseModel):
     edits     of a reference
     error     that a reference may have, relative L2
     seconds   that a reference may take
+    preview   whether to make a quick version of a product before, where it is worth it
     """
 
     model_config = ConfigDict(frozen=True)
@@ -59,6 +66,7 @@ class Task(BaseModel):
     edits: Edits = Edits()
     error: float = 0.0
     seconds: float = 0.0
+    preview: bool = False
 
     @property
     def key(self) -> tuple[Work, str, Key]:
@@ -77,6 +85,13 @@ def key_of(method: str, camera: Camera, materials: Materials | None) -> Key:
         "" if "camera" in free else camera.model_dump_json(),
         "" if "materials" in free or not materials else json.dumps(materials, sort_keys=True),
     )
+
+
+def preview_store(task: Task) -> Store:
+    """Where the preview of a task lies, apart from all else, until the service has loaded it."""
+    made = task.model_copy(update={"preview": False}).model_dump_json()
+    digest = hashlib.blake2b(made.encode(), digest_size=16).hexdigest()
+    return Store(Store().root / "previews" / digest)
 
 
 def run_in_process(task: Task, progress: Progress) -> None:

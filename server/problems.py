@@ -143,6 +143,9 @@ def describe(error: Exception) -> Problem:
             detail = error.message if isinstance(error, StoreError) else str(error)
             return Problem(title=TITLES[status], status=status, detail=detail)
     log.error("unexpected error", exc_info=error)
+    if isinstance(error, MemoryError):
+        detail = "the memory of the service does not suffice for this; a smaller picture takes less"
+        return Problem(title=TITLES[503], status=503, detail=detail)
     return Problem(
         title=TITLES[500],
         status=500,

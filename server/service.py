@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
 from engine.errors import EditError, EditNotSupported, InputError, NotFound
 from engine.measure.front import judged_by, known_front
-from engine.methods import EDITS, METHODS, prepare
-from engine.methods.base import Progress
+from engine.methods import EDITS, METHODS
 from engine.scene.camera import Camera
 from engine.scene.edits import Edits
 from engine.store import Store
@@ -24,14 +23,13 @@ from server.maps import Uploads
 from server.measured import Samples
 from server.metrics import Metrics
 from server.precompute import Materials, Task, run_in_process, settings_of
+from server.products import Precompute, Products
 from server.reader import Reader
 from server.scenes import SentScenes
 from server.shelf import Recent
 from server.stage import HELD, METHOD, Stage, Stages
 from server.wire import Chart, JobState, MaterialDetail, PrecomputeRequest, SceneDetail
 from server.worker import Drawn, Order, Worker, draw, relit
-
-Precompute = Callable[[Task, Progress], None]
 
 
 class Service:
@@ -52,30 +50,21 @@ class Service:
         self.worker = Worker()
         self.metrics = Metrics()
         self.sessions = 0  # live sockets that are open
-        self.jobs = Jobs(self._work)
+        self.products = Products(stages, precompute, lambda task: self.jobs.previewed(task))
+        self.jobs = Jobs(self.products)
         self.reader = Reader()
         root, intake = Store().root, Intake()
         self.uploads = Uploads(root / "maps", intake)
         self.samples = Samples(root / "measured", intake)
         self.sent = SentScenes(root / "scenes", stages, intake, left=self.jobs.cancel_all)
         self.compared: Recent[str, Compared] = Recent(KEPT_COMPARED)
-        self._precompute = precompute
 
     def close(self) -> None:
         """Stop the jobs and the threads."""
         self.jobs.close()
+        self.products.close()
         self.reader.close()
         self.worker.close()
-
-    def _work(self, task: Task, progress: Progress) -> None:
-        """One job: fill the store elsewhere, then load the product from it, if it made one."""
-        self._precompute(task, progress)
-        if task.work != "product":
-            return
-        stage = self.stages.get(task.scene)
-        scene = stage.with_materials(task.materials).with_camera(task.camera)
-        settings = settings_of(task.method, task.settings)
-        stage.install(task, prepare(scene, task.method, settings, progress))
 
     def look(self, stage: Stage, edits: Edits, watcher: str, method: str) -> JobState | None:
         """Somebody looks through a camera: the job that makes its product, None if it is there.

@@ -81,6 +81,11 @@ class Shelf:
             while len(self._kept) > 1 and self._bytes() > self._most:
                 self._kept.popitem(last=False)
 
+    def let_go(self, name: Any) -> None:
+        """The product is needed no more, if it is here."""
+        with self._lock:
+            self._kept.pop(name, None)
+
     @property
     def bytes(self) -> int:
         """Of all that is here."""

@@ -1,9 +1,9 @@
-"""A scene on the service: opened when first needed, seen through products and previews.
+"""A scene on the service: opened when first needed, seen through the best product that there is.
 
 A fixed-view product answers for one camera. Until it is there, and while the camera moves, a
-preview shows direct light for that camera. A product that takes any camera answers for all. Edits
-of materials that a method holds fixed are in its product: frames with them are drawn once it has
-been precomputed for them.
+preview of it answers, or else a view in direct light for that camera. A product that takes any
+camera answers for all. Edits of materials that a method holds fixed are in its product: frames with
+them are drawn once it has been precomputed for them.
 """
 
 from __future__ import annotations
@@ -12,11 +12,13 @@ import json
 import re
 import threading
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path, PurePath
 from typing import Any, NamedTuple
 
+from engine.diagnosis import Diagnosis
 from engine.errors import EditNotSupported, NotFound
+from engine.measure.previews import SHOWN
 from engine.methods import METHODS
 from engine.methods.base import EDITS, Frame, Product
 from engine.methods.fixed_view.preview import DirectPreview
@@ -29,7 +31,8 @@ from server.shelf import Recent, Shelf, Shelved
 
 METHOD = "direct_to_indirect"
 MEMORY = 4e9  # bytes of products
-KEPT_PREVIEWS = 3
+KEPT_DIRECT = 8  # views in direct light, of all scenes together
+QUICK = "preview"  # in the name of a quick version on the shelf
 MAP_FILES, MEASURED_FILES = {".hdr", ".exr"}, {".brdf", ".binary", ".csv"}
 MOST_FILES = 100
 SENT = "upload:"  # begins the names of scenes that were sent
@@ -37,35 +40,50 @@ CAMERA = frozenset({"camera"})
 HELD = CAMERA | {"materials"}  # what products may be made for
 
 
+Direct = Recent[tuple[str, str, Camera], DirectPreview]
+"""Views by scene, what they show, and camera."""
+
+
 class View(NamedTuple):
     """What draws a frame: `scale` is left for it to apply; `method` names it to the user.
 
-    `made_for` are the keys of the edits that it was made for, and takes none of. A preview of a
-    method that takes edits of materials shows the scene's own, unless it has lamps alone.
+    `made_for` are the keys of the edits that it was made for, and takes none of; `notices` what to
+    say of it in every frame. Direct light for a method that takes edits of materials is that on the
+    scene's own, unless it has lamps alone.
     """
 
     renderer: Product | DirectPreview
     scale: int
     method: str
     made_for: frozenset[str]
+    notices: tuple[Diagnosis, ...] = ()
 
     def relight(self, edits: Edits) -> Frame:
         """The frame under the edits."""
         rest = edits.model_copy(update=dict.fromkeys(self.made_for))
-        return self.renderer.relight(rest, self.scale)
+        frame = self.renderer.relight(rest, self.scale)
+        return replace(frame, warnings=(*self.notices, *frame.warnings))
 
 
 class Stage:
     """One scene. `scene` may be called from any thread; `view` from the render thread alone."""
 
-    def __init__(self, name: str, source: str, description: str, shelf: Shelf) -> None:
-        """shelf is where its products lie, beside those of other scenes."""
+    def __init__(
+        self,
+        name: str,
+        source: str,
+        description: str,
+        shelf: Shelf,
+        direct: Direct,
+    ) -> None:
+        """shelf and direct are where its products and its views in direct light lie, beside those
+        of other scenes.
+        """
         self.name, self.source, self.description = name, source, description
-        self._shelf = shelf
+        self._shelf, self._direct = shelf, direct
         self._lock = threading.Lock()
         self._scene: Scene | None = None
         self._settings: dict[str, Mapping[str, Any]] = {}
-        self._previews: Recent[str, DirectPreview] = Recent(KEPT_PREVIEWS)
 
     def scene(self) -> Scene:
         """The opened scene; what is wrong with it is raised every time."""
@@ -127,7 +145,17 @@ class Stage:
     def install(self, task: Task, product: Product) -> None:
         """Use the product of a task from now on."""
         self._shelf.keep((self.name, task.key[-1]), product)
+        self._shelf.let_go((self.name, task.key[-1], QUICK))
         self._settings[task.method] = task.settings
+
+    def install_preview(self, task: Task, product: Product) -> None:
+        """Use a quick version until the product of the task is there."""
+        if self._shelf.get((self.name, task.key[-1])) is None:
+            self._shelf.keep((self.name, task.key[-1], QUICK), product)
+
+    def has_preview(self, task: Task) -> bool:
+        """Whether it has one."""
+        return self._shelf.get((self.name, task.key[-1], QUICK)) is not None
 
     def settings(self, method: str) -> Mapping[str, Any]:
         """Those of the last product of the method, in place of its defaults: others follow it."""
@@ -146,12 +174,16 @@ class Stage:
         Raises EditNotSupported for materials that the method holds fixed and has no product for,
         or for settings that are not taken any more.
         """
-        shelved = self._shelf.use((self.name, _key(camera, method, materials)))
+        name = (self.name, _key(camera, method, materials))
+        shelved = self._shelf.use(name)
+        notices: tuple[Diagnosis, ...] = ()
+        if shelved is None:
+            shelved, notices = self._shelf.use((*name, QUICK)), (SHOWN,)
         if settings:
             _require_run_time(method, settings)
         if shelved is not None:
             product = _retuned(shelved, method, settings or {})
-            return View(product, scale, product.method, HELD - EDITS[method])
+            return View(product, scale, product.method, HELD - EDITS[method], notices)
         if materials and "materials" not in EDITS[method]:
             raise EditNotSupported(
                 f"{method} holds materials fixed: have it precomputed with these first",
@@ -159,9 +191,8 @@ class Stage:
             )
         lamps_alone = METHODS[method].lamps_alone
         scene = self.with_materials(materials) if lamps_alone else self.scene()
-        made_of = json.dumps(materials if lamps_alone else None, sort_keys=True)
-        key = f"{camera.model_dump_json()} {lamps_alone} {made_of}"
-        preview = self._previews.use(key)
+        kind = json.dumps([lamps_alone, materials if lamps_alone else None], sort_keys=True)
+        preview = self._direct.use((self.name, kind, camera))
         if preview is not None:
             return View(preview, scale, "direct", HELD)
         if scale > 1:
@@ -170,7 +201,7 @@ class Stage:
                 update={"width": -(-camera.width // scale), "height": -(-camera.height // scale)}
             )
         preview = DirectPreview(scene.with_camera(camera), lamps_alone)
-        self._previews.keep(f"{camera.model_dump_json()} {lamps_alone} {made_of}", preview)
+        self._direct.keep((self.name, kind, camera), preview)
         return View(preview, 1, "direct", HELD)
 
 
@@ -245,10 +276,10 @@ def stages(sources: Sequence[str], memory: float = MEMORY) -> Stages:
     """
     builtin = dict(scenes())
     found: dict[str, Stage] = {}
-    shelf = Shelf(memory)
+    shelf, direct = Shelf(memory), Direct(KEPT_DIRECT)
     for source in sources:
         if source in builtin:
-            found[source] = Stage(source, source, builtin[source], shelf)
+            found[source] = Stage(source, source, builtin[source], shelf, direct)
             continue
         path = Path(source)
         if not path.exists():
@@ -257,10 +288,10 @@ def stages(sources: Sequence[str], memory: float = MEMORY) -> Stages:
                 f"there are {', '.join(builtin)}"
             )
         name = unique(slug(path), {*found, *builtin})
-        found[name] = Stage(name, str(path.resolve()), path.name, shelf)
+        found[name] = Stage(name, str(path.resolve()), path.name, shelf, direct)
     for source, description in builtin.items():
         if source not in found:
-            found[source] = Stage(source, source, description, shelf)
+            found[source] = Stage(source, source, description, shelf, direct)
     return Stages(found, shelf)
 
 

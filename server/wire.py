@@ -56,9 +56,8 @@ class Notice(Wire):
     @staticmethod
     def of(diagnosis: Diagnosis) -> Notice:
         """From the engine's diagnosis."""
-        return Notice(
-            code=diagnosis.code, message=diagnosis.message, size=min(diagnosis.size, 1e30)
-        )
+        size = min(diagnosis.size, 1e30)
+        return Notice(code=diagnosis.code, message=diagnosis.message, size=size)
 
 
 class SceneSummary(Wire):
@@ -205,9 +204,10 @@ class PrecomputeRequest(Wire):
 
 
 class JobState(Wire):
-    """A precompute: `fraction` and `eta_seconds` are those of the phase, None while unknown.
+    """Long work: `fraction` and `eta_seconds` are those of the phase, None while unknown.
 
-    work  what is made: a method's product, what its settings cost, or a reference picture
+    work     a method's product, what its settings cost, or a reference picture
+    preview  whether frames have a preview of the product until then
     """
 
     id: str
@@ -219,6 +219,7 @@ class JobState(Wire):
     fraction: float = 0.0
     elapsed_seconds: float = 0.0
     eta_seconds: float | None = None
+    preview: bool = False
     problem: Problem | None = None
 
 

@@ -44,7 +44,8 @@ export class Compare {
     const { state, canvas } = this;
     const { materials: _, ...edits } = state.edits();
     const { exposure, method, settings, scene } = state;
-    return { edits, exposure, method, settings, scene: scene.name, drawn: canvas.dataset.method };
+    const { method: drawn, preview } = canvas.dataset;
+    return { edits, exposure, method, settings, scene: scene.name, drawn, preview };
   }
 
   #take(picture, kept) {

@@ -73,6 +73,7 @@ export class Live {
 
   async #frame(header, blob) {
     const arrival = (this.#arrivals += 1);
+    header.preview = header.warnings.some(({ code }) => code === "preview_shown");
     const bitmap = await createImageBitmap(blob);
     const { seq } = header;
     const stale =

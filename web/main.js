@@ -180,11 +180,11 @@ function showFrame(bitmap, header, roundTrip, cause) {
   const shift = (1 - header.scale) / 2;
   context.drawImage(bitmap, shift, shift, header.width * header.scale, header.height * header.scale);
   // What the method makes of the materials is known once its product is there.
-  if (canvas.dataset.method !== header.method) {
+  if (["method", "preview"].some((key) => canvas.dataset[key] !== String(header[key]))) {
     materials.refresh();
     editor.refit();
   }
-  for (const key of ["seq", "scale", "format", "method"]) canvas.dataset[key] = header[key];
+  for (const key of ["seq", "scale", "format", "method", "preview"]) canvas.dataset[key] = header[key];
   const final = requests.isFinal(header);
   canvas.dataset.state = final ? "final" : "changing";
   if (final) compare.keep();

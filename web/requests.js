@@ -1,14 +1,11 @@
-// Which frame to ask for: small ones while the hand moves, the full one when it stops, a lossless
-// one when it rests.
+// Asks for frames: at the pace of `Pace`, and no more than one per animation frame.
 
-const STOP_MS = 120; // the hand is down but has stopped
-const REST_MS = 300; // nothing has changed for so long: lossless
-const QUICK_MS = 20; // full frames this quick need no smaller ones
+import { Pace } from "./pace.js";
 
 export class Requests {
+  #pace = new Pace();
   #due = null;
-  #timers = [];
-  #fullTime = Infinity;
+  #timer = null;
   #edited = "";
   #final = null;
 
@@ -18,28 +15,20 @@ export class Requests {
     this.send = send;
   }
 
-  // Something changed. While the camera moves only small frames are asked for: a full one starts
-  // a precompute for its view.
+  // Something changed. While a camera moves that transport is made for only small frames are asked
+  // for: a full one starts a precompute for its view.
   changed(moving, camera = false) {
-    for (const timer of this.#timers) clearTimeout(timer);
-    this.#timers = [];
     this.#final = null;
-    // How long something else in the hand takes is not known.
-    if (this.state.edited !== this.#edited) this.#fullTime = Infinity;
+    if (this.state.edited !== this.#edited) this.#pace.forget();
     this.#edited = this.state.edited;
-    const cause = window.event?.timeStamp ?? performance.now();
-    if (moving) {
-      this.#ask({ scale: this.#fullTime < QUICK_MS && !camera ? 1 : 2, quality: 80 }, cause);
-      if (!camera) this.#later(STOP_MS, { scale: 1, quality: 92 });
-    } else {
-      this.#ask({ scale: 1, quality: 92 }, cause);
-    }
-    if (!moving || !camera) this.#later(REST_MS, { scale: 1, format: "png" });
+    const { request, wait } = this.#pace.changed(moving, camera);
+    this.#ask(request, window.event?.timeStamp);
+    this.#wait(wait);
   }
 
   // How long the service took for a frame, in milliseconds.
   took(header) {
-    if (header.scale === 1 && header.format === "jpeg") this.#fullTime = header.timings.total;
+    if (header.scale === 1 && header.format === "jpeg") this.#pace.took(header.timings.total);
   }
 
   // Whether this is the lossless frame of the last change: nothing more will be asked for.
@@ -47,8 +36,14 @@ export class Requests {
     return header.seq === this.#final;
   }
 
-  #later(delay, request) {
-    this.#timers.push(setTimeout(() => this.#ask(request), delay));
+  #wait(milliseconds) {
+    clearTimeout(this.#timer);
+    if (milliseconds === null) return;
+    this.#timer = setTimeout(() => {
+      const { request, wait } = this.#pace.waited();
+      this.#ask(request);
+      this.#wait(wait);
+    }, milliseconds);
   }
 
   // At most one request per animation frame; the newest counts.

@@ -27,7 +27,10 @@ const PHASES = {
   links: "what the picture's surfaces see of others",
   codes: "one material after the other,",
   shadows: "which parts of the lamps they see",
+  importance: "what lights may do",
+  load: "almost done",
 };
+const PREVIEW = "preview: "; // before those of a preview
 // Of those that end in the number of a pass and of a material.
 const NUMBERED = { direct: "direct light", bounce: "bounces" };
 
@@ -54,7 +57,8 @@ export class Status {
 
   frame(header, roundTrip) {
     const { find } = this;
-    find("status-method").textContent = NAMES[header.method] ?? header.method;
+    const drawn = NAMES[header.method] ?? header.method;
+    find("status-method").textContent = header.preview ? `${drawn}, preview` : drawn;
     const there = roundTrip === null ? "" : `, ${Math.round(roundTrip)} ms to the picture`;
     find("status-time").textContent = `${header.timings.total.toFixed(1)} ms${there}`;
     find("status-time").title = Object.entries(header.timings)
@@ -112,7 +116,7 @@ export class Status {
       queued: `${light} is waiting for its turn`,
       running: `Computing ${light.toLowerCase()}: ${phase(job.phase)} ${percent} %${left}`,
       failed: `No ${light.toLowerCase()}: ${job.problem?.detail ?? "the precompute failed"}`,
-      cancelled: `${light} was cancelled: direct light only`,
+      cancelled: `${light} was cancelled: ${job.preview ? "a preview of it" : "direct light"} only`,
     };
     const text = find("progress-text");
     if (text.textContent !== texts[job.status]) text.textContent = texts[job.status];
@@ -131,6 +135,7 @@ export function told({ file, field, detail }) {
 }
 
 function phase(name) {
+  if (name.startsWith(PREVIEW)) return `a preview, ${phase(name.slice(PREVIEW.length))}`;
   const [kind, ...numbers] = name.split("-");
   if (!numbers.length || !NUMBERED[kind]) return PHASES[name] ?? name;
   return `${NUMBERED[kind]} on material ${1 + Number(numbers.at(-1))}`;

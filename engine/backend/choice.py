@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable
 from typing import Literal, TypeVar, get_args
 
-from engine.backend.gl.context import Device, device
+from engine.backend.gl.context import Device, device, gl_errors
 from engine.diagnosis import Diagnosis
 from engine.errors import BackendError, InputError
 
@@ -56,13 +56,14 @@ class GlFirst:
     def draw(
         self, asked: Backend | None, on_gl: Callable[[Device], T], on_cpu: Callable[[], T]
     ) -> tuple[T, tuple[Diagnosis, ...]]:
-        """(what one of both made, what the user should know); on_gl may raise BackendError."""
+        """(what one of both made, what the user should know); GL may be lost in on_gl."""
         device, notices = chosen_device(asked)
         if device is None:
             return on_cpu(), notices
         if self.failed is None:
             try:
-                return on_gl(device), notices
+                with gl_errors():
+                    return on_gl(device), notices
             except BackendError as error:
                 self.failed = _instead_of_gl(error)
         return on_cpu(), (self.failed,)

@@ -48,6 +48,10 @@ class Store:
         files, folder = self._remote
         return RemoteEntry(files, f"{folder.rstrip('/')}/{key}", self.root / key)
 
+    def remove(self) -> None:
+        """Remove all entries; arrays that are still mapped stay valid."""
+        shutil.rmtree(self.root, ignore_errors=True)
+
 
 def _without_password(url: str) -> str:
     return re.sub(r"//[^/@]*@", "//", url)

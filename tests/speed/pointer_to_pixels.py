@@ -51,8 +51,8 @@ def measure(
             page.get_by_role("radio", name="Camera and sky").click()
             wanted = "method === 'glossy_prt'"
         page.wait_for_function(
-            "() => { const method = document.getElementById('canvas').dataset.method; "
-            f"return {wanted}; }}",
+            "() => { const { method, preview } = document.getElementById('canvas').dataset; "
+            f"return preview === 'false' && {wanted}; }}",
             timeout=600_000,
         )
         page.wait_for_timeout(1500)  # until the lossless frame is there too

@@ -74,7 +74,7 @@ def precompute(
         parts.remove()
         return arrays
 
-    bounce = made("bounce", lambda: _bounces(scene, settings, cloud))
+    bounce = made("bounce", lambda: _bounces(scene, settings, cloud, progress))
     beyond = PackedRows(*(bounce[ENVIRONMENT + name] for name in PackedRows._fields))
     environment = _environment_light(cloud, beyond)
     sample = made("links", lambda: _links(scene, settings, view, cloud))["sample"]
@@ -101,7 +101,8 @@ def key(scene: Scene, settings: Settings, part: str) -> str:
     return part_key(NAME, VERSION, scene, settings, NEEDS[part])
 
 
-def _bounces(scene: Scene, settings: Settings, cloud: GatherCloud) -> Work:
+def _bounces(scene: Scene, settings: Settings, cloud: GatherCloud, progress: Progress) -> Work:
+    progress("importance", 0, 1)
     job = gather_job(
         scene,
         cloud,

@@ -75,6 +75,7 @@ def precompute(
             rows[name] = beyond[name] = no_rows(len(tiles))
             continue
         if importance is None:
+            progress("importance", 0, 1)
             importance = wavelet_importance(scene, cloud, settings.seed)
         job = _job(name, settings, view, cloud, tiles, importance)
         parts = store.entry(key(scene, settings, name) + ".parts")

@@ -1,0 +1,65 @@
+"""A preview of a product: the same method with settings that take seconds.
+
+It is made before the whole product where that takes long, so that there is soon a picture with
+indirect light. Whether it does is told by the rays that it casts, which are known before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from engine.diagnosis import Diagnosis
+from engine.methods.fixed_view.importance import LIGHTS
+from engine.numerics.parallel import thread_count
+from engine.scene.scene import Scene
+
+SHOWN = Diagnosis(
+    "preview_shown",
+    "This is a preview, made quickly with few samples: the whole precompute is not there yet.",
+)
+
+LONG = 10.0  # seconds of a whole product that a preview is worth it for
+RATE = 7e5  # rays a second and thread, with all that is done with them
+
+PREVIEWS: dict[str, dict[str, Any]] = {
+    "direct_to_indirect": {
+        "gather_samples": 4096,
+        "coefficients": 20,
+        "bounce_coefficients": 20,
+        "gloss_coefficients": 12,
+        "view_rays": 16,
+        "gloss_rays": 16,
+        "bounce_rays": 89,
+        "opening_rays": 89,
+    },
+    "brdf_editing": {
+        "gather_samples": 4096,
+        "view_rays": 32,
+        "bounce_rays": 89,
+        "bounce_coefficients": 20,
+    },
+}
+"""Per method the most that a preview has of settings.
+
+Of those of a fixed view: `wavelet_brdf` draws direct light without its codes, and what `glossy_prt`
+does for every vertex takes long with any settings.
+"""
+
+
+def preview_settings(scene: Scene, method: str, settings: Any) -> Any:
+    """Those of a preview; None where the whole product does not take long, or none is quicker."""
+    if method not in PREVIEWS or seconds(scene, settings) <= LONG:
+        return None
+    lower = {
+        name: most for name, most in PREVIEWS[method].items() if getattr(settings, name) > most
+    }
+    return replace(settings, **lower) if lower else None
+
+
+def seconds(scene: Scene, settings: Any) -> float:
+    """About what a product of a fixed view takes on this machine."""
+    pixels = scene.camera.width * scene.camera.height
+    of_sample = settings.bounce_rays + LIGHTS  # which tell the importance of wavelets
+    rays = settings.gather_samples * of_sample + pixels * settings.view_rays
+    return float(rays / (RATE * thread_count()))
