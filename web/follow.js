@@ -4,7 +4,7 @@
 // The first of those that take as much; those with indirect light come first.
 const ORDER = ["direct_to_indirect", "brdf_editing", "glossy_prt", "wavelet_brdf"];
 const KINDS = { lights: "lights", environment: "environment", materialEdits: "materials", camera: "camera" };
-const WORDS = { lights: "changed lights", environment: "the changed environment", materials: "changed materials" };
+const WORDS = { lights: "changed lights", environment: "a changed environment", materials: "changed materials" };
 
 // Kinds of edit that there are by now.
 function edited({ changed, environmentChanged, materialEdits }) {
@@ -60,5 +60,5 @@ export function leftOut(state) {
   const missing = edited(state).filter((kind) => !shows(method, kind, state));
   if (!missing.length) return null;
   const words = missing.map((kind) => WORDS[kind]).join(" and ");
-  return `This method does not show ${words}: take it in hand, or undo, to see it again.`;
+  return `Not shown by this method: ${words}. Take that in hand, or undo, to see it again.`;
 }

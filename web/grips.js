@@ -31,9 +31,17 @@ export function gripsOf(light, scene, camera, inHand = false) {
   const { properties } = scene.light_types[light.type];
   for (const [name, { origin, axis, reach, of }] of Object.entries(SIZES[light.type]?.(light, camera) ?? {})) {
     const move = (metres) => ({ [name]: within(of(Math.max(metres, 1e-6)), properties[name]) });
-    grips.push({ name, at: add(origin, scale(axis, reach)), move, line: { origin, axis, reach } });
+    // The side that is in the picture, if only one is.
+    const ends = [axis, scale(axis, -1)].map((side) => ({ side, at: add(origin, scale(side, reach)) }));
+    const { side, at } = ends.find((end) => visible(camera, end.at)) ?? ends[0];
+    grips.push({ name, at, move, line: { origin, axis: side, reach } });
   }
   return grips;
+}
+
+function visible(camera, point) {
+  const { x, y, depth } = project(camera, point);
+  return depth > 0 && x >= 0 && x <= 1 && y >= 0 && y <= 1;
 }
 
 export const SIZE_NAMES = { cone_degrees: "cone", fov_y_degrees: "image height" };
