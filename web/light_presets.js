@@ -10,9 +10,9 @@ const [WARM, WHITE, COOL] = [[1, 0.83, 0.64], [1, 1, 1], [0.72, 0.84, 1]];
 
 // Each: degrees round the target to the right of the camera and above it, its distance from there in
 // steps of the usual one, its part of a key light, its colour, its size in parts of the scene.
-const KEY = { stem: "key", type: "area", round: -40, above: 35, far: 1, part: 1, colour: WARM, size: 0.12 };
-const FILL = { stem: "fill", type: "area", round: 50, above: 12, far: 1, part: 0.25, colour: COOL, size: 0.25 };
-const RIM = { stem: "rim", type: "spot", round: 160, above: 45, far: 0.7, part: 1.2, colour: WHITE };
+const KEY = { stem: "key", type: "area", round: -40, above: 35, far: 1, part: 2, colour: WARM, size: 0.12 };
+const FILL = { stem: "fill", type: "area", round: 50, above: 12, far: 1, part: 0.6, colour: COOL, size: 0.25 };
+const RIM = { stem: "rim", type: "spot", round: 160, above: 45, far: 0.7, part: 1.6, colour: WHITE };
 
 export const PRESETS = {
   three: { label: "Three-point: key, fill, rim", lights: [KEY, FILL, RIM] },
@@ -22,7 +22,7 @@ export const PRESETS = {
   },
   soft: {
     label: "Soft box overhead",
-    lights: [{ stem: "overhead", type: "area", round: 0, above: 80, far: 0.8, part: 1, colour: WHITE, size: 0.3 }],
+    lights: [{ stem: "overhead", type: "area", round: 0, above: 80, far: 0.8, part: 2.5, colour: WHITE, size: 0.3 }],
   },
   sides: {
     label: "Warm and cool from the sides",
@@ -34,12 +34,12 @@ export const PRESETS = {
   ring: {
     label: "Ring of eight",
     lights: Array.from({ length: 8 }, (_, k) => (
-      { stem: "ring", type: "point", round: 45 * k, above: 40, far: 0.7, part: 0.15, colour: WHITE }
+      { stem: "ring", type: "point", round: 45 * k, above: 40, far: 0.7, part: 0.12, colour: WHITE }
     )),
   },
 };
 
-// The lights of a preset, in place of none: what is there stays.
+// The lights of a preset; what is there stays.
 export function addPreset(state, name) {
   const added = [];
   for (const spec of PRESETS[name].lights) added.push(made(state, spec, added.map(({ id }) => id)));

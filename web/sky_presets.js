@@ -8,7 +8,7 @@ const sky = (height, azimuth, turbidity, intensity) => ({ height, azimuth, turbi
 export const SKIES = {
   dawn: { label: "Dawn", sky: sky(4, -70, 4, 0.5) },
   morning: { label: "Morning", sky: sky(25, -60, 3, 0.15) },
-  noon: { label: "Noon", sky: sky(70, 20, 2.5, 0.08) },
+  noon: { label: "Noon", sky: sky(70, 20, 2.5, 0.14) },
   evening: { label: "Golden evening", sky: sky(8, 75, 6, 0.35) },
   overcast: { label: "Overcast", even: [0.78, 0.84, 0.9] },
   night: { label: "Moonlit", even: [0.012, 0.016, 0.03] },

@@ -61,7 +61,7 @@ def serve(scene: Path, store: Path, settings: dict[str, int]) -> Iterator[str]:
         yield address[0]
     finally:
         process.send_signal(signal.SIGINT)
-        process.wait(timeout=20)
+        process.wait(timeout=60)
         process.stdout.close()
 
 

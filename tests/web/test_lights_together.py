@@ -43,7 +43,7 @@ def click(page: Page, name: str, *keys: Any) -> None:
 
 def sent(page: Page) -> dict[str, Any]:
     """Lights of the last edit that was sent, by id."""
-    page.wait_for_timeout(40)
+    page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
     return {light["id"]: light for light in page.evaluate("window.sent.lights ?? []")}
 
 
