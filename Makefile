@@ -4,6 +4,7 @@
 # make bench   timings of this machine
 # make rivals  the same against Mitsuba 3, alone and denoised   SCENE=...
 # make chart   speed against accuracy        SCENE=..., into out/chart
+# make screenshots   the pictures of the page in the README, by the page itself
 # make clean   remove the environment and everything built
 
 PYTHON ?= python3
@@ -19,7 +20,7 @@ TEST_PACKAGES := $(GL_PACKAGES) chromium libatomic1
 SYSTEM_TESTS := tests/measure tests/stability tests/cli tests/web
 PEER_PACKAGES := libllvm19 libatomic1
 
-.PHONY: serve test lint types pytest pytest-units pytest-system sweep test-packages bench rivals chart clean
+.PHONY: serve test lint types pytest pytest-units pytest-system sweep test-packages bench rivals chart screenshots clean
 
 serve: .venv/.run
 	@.ci/system-packages $(GL_PACKAGES) || echo "going on without OpenGL, on the CPU" >&2
@@ -60,6 +61,9 @@ rivals: .venv/.peers
 
 chart: .venv/.chart
 	$(BIN)/relight chart "$(SCENE)" --method direct_to_indirect --out out/chart
+
+screenshots: .venv/.test test-packages
+	$(BIN)/python tests/web/screenshots.py docs
 
 clean:
 	rm -rf .venv dist build out .pytest_cache .mypy_cache .ruff_cache

@@ -47,6 +47,16 @@ export function onBall(camera, x, y, { centre, radius, near }) {
   return add(foot, scale(ray, (near ? -1 : 1) * Math.sqrt(half)));
 }
 
+// How far along a line, from its origin along a unit axis, is nearest to what is under a place of the
+// picture; null where the line runs away from the eye.
+export function onLine(camera, x, y, { origin, axis }) {
+  const ray = normalize(sub(unproject(camera, x, y, 1), camera.position));
+  const off = sub(camera.position, origin);
+  const along = dot(ray, axis);
+  const across = 1 - along ** 2;
+  return across < 1e-3 ? null : (dot(off, axis) - along * dot(off, ray)) / across;
+}
+
 // Turned about its target: yaw about up, pitch about right; never over the pole.
 export function orbit(camera, yaw, pitch) {
   const up = normalize(camera.up);

@@ -4,6 +4,7 @@
 import { strength, withStrength } from "./colour.js";
 import { capital, colour, element, field, group, slider } from "./fields.js";
 import { Pad } from "./pad.js";
+import { environmentOf, SKIES } from "./sky_presets.js";
 import { sunAngles, sunDirection } from "./sun.js";
 
 const DECADES = 2; // of the brightness slider, to either side of 1
@@ -61,6 +62,7 @@ export class EnvironmentPanel {
       new Option("Sky", SKY),
       new Option("Even", EVEN),
       new Option("Black", BLACK),
+      group("Presets", Object.entries(SKIES).map(([name, { label }]) => new Option(label, `preset ${name}`))),
     );
     if (!uploads.length) return;
     const opened = uploads.map(({ name, label }) => new Option(label, `map ${name}`));
@@ -84,6 +86,11 @@ export class EnvironmentPanel {
   #choose(kind) {
     const usual = { rotation_degrees: 0, intensity: 1, area_light: null, background: true };
     const old = this.state.environment ?? usual;
+    const preset = kind.match(/^preset (.*)/)?.[1];
+    if (preset) {
+      this.state.setEnvironment(environmentOf(preset, { sky: this.#sky(), environment: old }));
+      return;
+    }
     const maps = { [BLACK]: [0, 0, 0], [EVEN]: [0.5, 0.5, 0.5], [SKY]: this.#sky() };
     const map = maps[kind] ?? kind.replace(/^map /, "");
     // How bright a map is says nothing of the next one.

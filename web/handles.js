@@ -1,55 +1,37 @@
 // Handles over the picture, where the lights are: drag across, wheel or Shift-drag for depth, keys.
+// What is done to one light of several that are selected is done to all of them.
 
-import { heightAt, onBall, project, unproject } from "./camera.js";
+import { basis, heightAt, onBall, onLine, project, unproject } from "./camera.js";
 import { toHex } from "./colour.js";
+import { glyph, path, SVG } from "./glyphs.js";
+import { gripsOf, SIZE_NAMES } from "./grips.js";
+import { spread, toggleOn } from "./light_actions.js";
 import { outline } from "./outline.js";
-import { add, length, normalize, scale, sub } from "./vector.js";
+import { add, length, scale, sub } from "./vector.js";
 
-const SVG = "http://www.w3.org/2000/svg";
-const MARKS = {
-  point: "M12 2v-3M12 25v-3M2 12h-3M25 12h-3M5 5 3 3M19 19l2 2M5 19l-2 2M19 5l2-2",
-  spot: "M4 16 1 24M20 16l3 8",
-  area: "M1 1h22v22H1z",
-  disk: "M12 1a11 11 0 0 1 0 22a11 11 0 0 1 0-22",
-  sphere: "M12 1a11 11 0 0 1 0 22a11 11 0 0 1 0-22M1 12c6 4 16 4 22 0",
-  projector: "M4 16 1 24h22l-3-8M9 24v-6M15 24v-6",
-  uberlight: "M4 16 1 24M20 16l3 8M1 24c7 3 15 3 22 0",
-  distant: "M4 24v5M12 25v6M20 24v5",
-  sun: "M4 24v5M12 25v6M20 24v5M12 2v-4",
-};
 const MARGIN = 0.035; // of the picture, for lights outside it
-
-// The points of a light that can be dragged: name, place, and what to change for a new place.
-export function gripsOf(light, scene, camera) {
-  const grips = [];
-  if (light.position) {
-    grips.push({ name: "position", at: light.position, move: (p) => ({ position: p }) });
-  } else if (light.direction) {
-    // A light at infinity is held by a point on its way to the middle of the picture, on a ball.
-    const centre = camera.target;
-    const radius = 0.3 * scene.diagonal;
-    const at = sub(centre, scale(normalize(light.direction), radius));
-    const near = project(camera, at).depth < project(camera, centre).depth;
-    const move = (p) => ({ direction: sub(centre, p) });
-    grips.push({ name: "direction", at, move, ball: { centre, radius, near } });
-  }
-  if (light.target) {
-    grips.push({ name: "target", at: light.target, move: (p) => ({ target: p }) });
-  }
-  return grips;
-}
+const SLIP = 4; // pixels of the screen that a hand may slip when it only selects
+const APART = 28; // pixels that a grip of a size keeps from what it is the size of
+const GROW = 5; // so much more, in logarithms, does a key change a size than a place
 
 export class Handles {
   #nodes = new Map();
   #drag = null;
 
-  constructor(state, { picture, handles, lines }) {
+  // adding() tells whether a tap adds to what is selected.
+  constructor(state, { picture, handles, lines }, adding) {
     this.state = state;
+    this.adding = adding;
     this.picture = picture;
     this.box = handles;
     this.lines = lines;
     this.lines.setAttribute("viewBox", "0 0 1 1");
     this.lines.setAttribute("preserveAspectRatio", "none");
+    this.size = [1, 1]; // of the picture on the screen
+    new ResizeObserver(([{ contentRect: { width, height } }]) => {
+      this.size = [width, height];
+      if (state.scene) this.draw();
+    }).observe(picture);
   }
 
   // Put every handle and line where it belongs; keep the nodes, so that focus stays.
@@ -57,17 +39,15 @@ export class Handles {
     const { state } = this;
     const wanted = new Set();
     const paths = [];
-    for (const light of state.takes("lights") ? state.lights : []) {
-      const grips = gripsOf(light, state.scene, state.camera);
-      const selected = light.id === state.selected;
-      for (const grip of grips) {
-        if (grip.name === "target" && !selected) continue;
+    for (const light of state.lights) {
+      const inHand = light.id === state.selected;
+      for (const grip of gripsOf(light, state.scene, state.camera, inHand)) {
         const key = `${light.id} ${grip.name}`;
         wanted.add(key);
         if (!this.#nodes.has(key)) this.#nodes.set(key, this.#make(light.id, grip.name));
-        this.#place(this.#nodes.get(key), light, grip, selected);
+        this.#place(this.#nodes.get(key), light, grip, state.selection.includes(light.id));
       }
-      if (selected) paths.push(...outline(light, state.camera));
+      if (inHand) paths.push(...outline(light, state.camera));
     }
     for (const [key, node] of this.#nodes) {
       if (wanted.has(key)) continue;
@@ -81,14 +61,17 @@ export class Handles {
     for (const line of this.lines.children) line.setAttribute("vector-effect", "non-scaling-stroke");
   }
 
-  focus(id) {
-    this.#nodes.get(`${id} position`)?.focus();
+  // The handle of the light that was selected last.
+  get current() {
+    const { selected } = this.state;
+    return this.#nodes.get(`${selected} position`) ?? this.#nodes.get(`${selected} direction`);
   }
 
   #make(id, name) {
     const node = document.createElement("button");
     node.type = "button";
-    node.className = `handle ${name === "target" ? "target" : "source"}`;
+    const kinds = { position: "source", direction: "source", target: "target" };
+    node.className = `handle ${kinds[name] ?? "size"}`;
     node.dataset.light = id;
     node.dataset.grip = name;
     const svg = document.createElementNS(SVG, "svg");
@@ -102,7 +85,9 @@ export class Handles {
     }
     node.addEventListener("wheel", (event) => this.#wheel(event, id, name), { passive: false });
     node.addEventListener("keydown", (event) => this.#key(event, id, name));
-    node.addEventListener("focus", () => this.state.select(id));
+    node.addEventListener("focus", () => {
+      if (!this.#drag) this.state.take(id);
+    });
     this.box.append(node);
     return node;
   }
@@ -121,29 +106,55 @@ export class Handles {
       [px, py] = [0.5 + dx * reach, 0.5 + dy * reach];
       angle = (Math.atan2(dy, dx) * 180) / Math.PI;
     }
+    if (grip.line) {
+      [px, py] = this.#apart(grip.line, x, y);
+      // A size whose grip is not in the picture, or that runs away from the eye, is typed.
+      node.hidden = !inside || px === null;
+      if (node.hidden) return;
+    }
     node.style.left = `${100 * px}%`;
     node.style.top = `${100 * py}%`;
     node.classList.toggle("selected", selected);
-    node.classList.toggle("off", !light.enabled);
+    node.classList.toggle("off", !light.enabled || !this.state.takes("lights"));
+    node.classList.toggle("locked", Boolean(light.locked));
     node.dataset.outside = String(!inside);
     const drawn = `${inside}${light.type}${light.enabled}${toHex(light.intensity)}${Math.round(angle)}`;
     if (node.dataset.drawn !== drawn) {
       node.dataset.drawn = drawn;
       node.firstChild.replaceChildren(...glyph(light, grip.name, inside, angle));
     }
-    const place = grip.at.map((v) => v.toFixed(2)).join(", ");
-    const off = light.enabled ? "" : ", off";
-    const outside = inside ? "" : ", outside the picture";
-    node.title = `${light.id}${grip.name === "target" ? " aims here" : ""}${outside}`;
-    node.setAttribute(
-      "aria-label",
-      `Light ${light.id}${off}, ${grip.name} ${place}${outside}. Arrow keys move it, page keys change its depth.`,
-    );
+    const said = [grip.line
+      ? `${SIZE_NAMES[grip.name] ?? grip.name} ${light[grip.name].toPrecision(3)}`
+      : `${grip.name} ${grip.at.map((v) => v.toFixed(2)).join(", ")}`];
+    if (!light.enabled) said.unshift("off");
+    if (light.locked) said.unshift("locked");
+    if (!inside) said.push("outside the picture");
+    const tips = { target: " aims here", position: "", direction: "" };
+    const tip = tips[grip.name] ?? `: ${said.at(-1)}`;
+    node.title = `${light.id}${tip}${light.locked ? ", locked" : ""}${inside ? "" : ", outside the picture"}`;
+    const how = grip.line ? "Arrow keys change it." : "Arrow keys move it, page keys change its depth.";
+    node.setAttribute("aria-label", `Light ${light.id}, ${said.join(", ")}. ${how}`);
+  }
+
+  // A grip of a size stands where its line ends, but never on what it is the size of.
+  #apart({ origin, axis, reach }, x, y) {
+    const { camera } = this.state;
+    const [wide, high] = this.size;
+    const from = project(camera, origin);
+    const [dx, dy] = [(x - from.x) * wide, (y - from.y) * high];
+    const off = Math.hypot(dx, dy);
+    if (off >= APART || from.depth <= 0) return [x, y];
+    const far = project(camera, add(origin, scale(axis, Math.max(reach, 1e-6) * 1.5)));
+    const [ux, uy] = [(far.x - from.x) * wide, (far.y - from.y) * high];
+    const long = Math.hypot(ux, uy);
+    if (long < 0.5) return [null, null];
+    return [from.x + ((ux / long) * APART) / wide, from.y + ((uy / long) * APART) / high];
   }
 
   #grip(id, name) {
-    const light = this.state.light(id);
-    return gripsOf(light, this.state.scene, this.state.camera).find((grip) => grip.name === name);
+    const { state } = this;
+    const grips = gripsOf(state.light(id), state.scene, state.camera, true);
+    return grips.find((grip) => grip.name === name);
   }
 
   #depth(at) {
@@ -164,17 +175,20 @@ export class Handles {
     event.stopPropagation();
     const node = event.currentTarget;
     node.setPointerCapture(event.pointerId);
-    node.focus({ preventScroll: true });
-    this.state.select(id);
-    const { at, ball } = this.#grip(id, name);
+    const { at, ball, line } = this.#grip(id, name);
     const depth = this.#depth(at);
     const [x, y] = this.#at(event);
     const shown = project(this.state.camera, at);
     // Held where it was touched, unless it comes in from outside.
     const hold = node.dataset.outside === "true" ? [0, 0] : [shown.x - x, shown.y - y];
+    // With a key held, or adding, it is only selected, unless it is dragged then.
+    const more = event.ctrlKey || event.metaKey || event.shiftKey || this.adding();
+    const start = [event.clientX, event.clientY];
     this.#drag = {
-      id, name, depth, ball, hold, pointer: event.pointerId, last: [x, y], moved: false,
+      id, name, depth, ball, line, hold, more, start, pointer: event.pointerId, last: [x, y], moved: false,
     };
+    node.focus({ preventScroll: true });
+    if (!more) this.state.take(id);
   }
 
   #move(event) {
@@ -182,7 +196,11 @@ export class Handles {
     if (!drag || drag.pointer !== event.pointerId) return;
     const [x, y] = this.#at(event);
     if (x === drag.last[0] && y === drag.last[1]) return;
-    if (event.shiftKey) {
+    const [sx, sy] = drag.start;
+    if (drag.more && Math.hypot(event.clientX - sx, event.clientY - sy) <= SLIP) return;
+    if (drag.more) this.state.take(drag.id);
+    drag.more = false;
+    if (event.shiftKey && !drag.line) {
       drag.ball = null;
       drag.depth *= Math.exp(2 * (drag.last[1] - y));
       // The place on the picture stays while the depth changes.
@@ -198,12 +216,21 @@ export class Handles {
     if (!drag || drag.pointer !== event.pointerId) return;
     this.#drag = null;
     if (drag.moved) this.state.change(drag.id, {}, false);
+    else if (event.type === "pointerup") this.state.select(drag.id, drag.more);
   }
 
-  #put({ id, name, depth, ball }, x, y, moving) {
+  #put({ id, name, depth, ball, line }, x, y, moving) {
     const { camera } = this.state;
-    const at = ball ? onBall(camera, x, y, ball) : unproject(camera, x, y, depth);
-    this.state.change(id, this.#grip(id, name).move(at), moving);
+    const { move } = this.#grip(id, name);
+    const at = ball ? onBall(camera, x, y, ball)
+      : line ? onLine(camera, x, y, line) : unproject(camera, x, y, depth);
+    if (at !== null) this.#change(id, move(at), moving);
+  }
+
+  // One that is locked holds all of them.
+  #change(id, fields, moving) {
+    const { state } = this;
+    if (!state.light(id).locked) state.changeAll(spread(state, id, fields), moving);
   }
 
   #wheel(event, id, name) {
@@ -215,11 +242,21 @@ export class Handles {
 
   // Nearer or farther along the line from the eye, so that its place on the picture stays.
   #deeper(id, name, factor, moving) {
-    const { at } = this.#grip(id, name);
+    const { at, line, move } = this.#grip(id, name);
+    if (line) {
+      this.#change(id, move(line.reach * factor), moving);
+      return;
+    }
     const { x, y } = project(this.state.camera, at);
     const depth = this.#depth(at) * factor;
     if (this.#drag) Object.assign(this.#drag, { depth, ball: null });
     this.#put({ id, name, depth }, x, y, moving);
+  }
+
+  // A key for the light that is selected, wherever the focus is.
+  key(event) {
+    const { current } = this;
+    if (current) this.#key(event, current.dataset.light, current.dataset.grip);
   }
 
   #key(event, id, name) {
@@ -227,53 +264,31 @@ export class Handles {
       ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowUp: [0, -1, 0], ArrowDown: [0, 1, 0],
       PageUp: [0, 0, 1], PageDown: [0, 0, -1],
     };
-    if (event.key === " " || event.key === "Enter") {
+    const plain = !event.ctrlKey && !event.metaKey;
+    if (plain && (event.key === " " || event.key === "Enter")) {
       event.preventDefault();
-      this.state.change(id, { enabled: !this.state.light(id).enabled });
+      toggleOn(this.state);
       return;
     }
     const step = steps[event.key];
-    if (!step || event.ctrlKey || event.metaKey) return;
+    if (!step || !plain) return;
     event.preventDefault();
     event.stopPropagation();
     const size = 0.01 * (event.altKey ? 0.1 : event.shiftKey ? 5 : 1);
     const { camera } = this.state;
-    const { at } = this.#grip(id, name);
+    const { at, move, line } = this.#grip(id, name);
+    if (line) {
+      const more = step[0] - step[1] + step[2];
+      this.#change(id, move(line.reach * Math.exp(GROW * size * more)), true);
+      return;
+    }
     if (step[2]) {
       this.#deeper(id, name, Math.exp(2 * size * step[2]), true);
       return;
     }
     const shift = size * heightAt(camera, this.#depth(at));
-    const right = unproject(camera, 1, 0.5, 1);
-    const left = unproject(camera, 0, 0.5, 1);
-    const top = unproject(camera, 0.5, 0, 1);
-    const bottom = unproject(camera, 0.5, 1, 1);
-    const across = scale(normalize(sub(right, left)), step[0] * shift);
-    const down = scale(normalize(sub(bottom, top)), step[1] * shift);
-    this.state.change(id, this.#grip(id, name).move(add(at, add(across, down))), true);
+    const { right, up } = basis(camera);
+    const moved = add(scale(right, step[0] * shift), scale(up, -step[1] * shift));
+    this.#change(id, move(add(at, moved)), true);
   }
-}
-
-function path(d, name) {
-  const node = document.createElementNS(SVG, "path");
-  node.setAttribute("d", d);
-  if (name) node.setAttribute("class", name);
-  return node;
-}
-
-function glyph(light, name, inside, angle) {
-  const circle = document.createElementNS(SVG, "circle");
-  for (const [key, value] of Object.entries({ cx: 12, cy: 12, r: name === "target" ? 8 : 7 })) {
-    circle.setAttribute(key, value);
-  }
-  circle.setAttribute("class", name === "target" ? "mark" : "body");
-  const off = name === "target" || !light.enabled;
-  circle.setAttribute("fill", off ? "transparent" : toHex(light.intensity));
-  if (name === "target") return [circle, path("M12 10v4M10 12h4", "mark")];
-  if (!inside) {
-    const arrow = path("M22 7l5 5-5 5", "mark");
-    arrow.setAttribute("transform", `rotate(${angle} 12 12)`);
-    return [circle, arrow];
-  }
-  return [circle, path(MARKS[light.type] ?? "", "mark")];
 }

@@ -1,10 +1,12 @@
-// Undo and redo of what is changed in the scene: lights, environment, materials; not the view. Each
-// method has a history of its own, since it shows only what it takes.
+// Undo and redo of what is changed in the scene: lights, environment, materials; not the view. A step
+// back brings back the method that showed what was there.
 
 import { takesText } from "./fields.js";
 
 const MOST = 100; // steps
 const KINDS = ["lights", "environment", "materialEdits"];
+
+const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
 export class History {
   #past = [];
@@ -22,7 +24,8 @@ export class History {
       document.addEventListener(end, () => this.#record(), true);
     }
     state.listen((what, moving) => {
-      if (what === "scene" || what === "method") this.#begin();
+      if (what === "scene") this.#begin();
+      else if (what === "method") this.#shown();
       else if (KINDS.includes(what) && !moving) this.#record();
       else this.#draw();
     });
@@ -30,7 +33,8 @@ export class History {
 
   // What the state holds is replaced and never written into, so that a step is a few references.
   get #present() {
-    return Object.fromEntries(KINDS.map((kind) => [kind, this.state[kind]]));
+    const { method } = this.state;
+    return { ...Object.fromEntries(KINDS.map((kind) => [kind, this.state[kind]])), method };
   }
 
   get #pending() {
@@ -44,12 +48,18 @@ export class History {
     this.#draw();
   }
 
+  // Another method shows what is there, which is no step; if the hand is at something, it is one soon.
+  #shown() {
+    if (!this.#pending) this.#now = this.#present;
+    this.#draw();
+  }
+
   // What has changed since the last step is a step.
   #record() {
     if (this.#pending) {
       const before = this.#now;
       this.#now = this.#present;
-      if (JSON.stringify(before) !== JSON.stringify(this.#now)) {
+      if (KINDS.some((kind) => !same(before[kind], this.#now[kind]))) {
         this.#past = [...this.#past, before].slice(-MOST);
         this.#future = [];
       }
@@ -79,7 +89,10 @@ export class History {
     held?.blur();
     this.#record();
     step();
-    if (this.#pending) this.state.restore(this.#now);
+    if (this.#pending) {
+      this.state.setMethod(this.#now.method);
+      this.state.restore(this.#now);
+    }
     held?.focus({ preventScroll: true });
     this.#draw();
   }

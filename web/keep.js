@@ -1,5 +1,6 @@
 // What a person takes along: the picture as a file, the edits as JSON, all of it as a link.
 
+import { marked, marksOf } from "./lights.js";
 import { post } from "./materials.js";
 
 const TYPES = { png: "image/png", exr: "image/x-exr" };
@@ -18,7 +19,7 @@ export class Keep {
     file.addEventListener("change", () => this.#opened(file));
   }
 
-  // What the page's own address asks for: {scene, method, exposure, settings, edits}, or null.
+  // What the page's own address asks for, see `whole`, or null.
   static asked() {
     if (location.hash.length < 2) return null;
     try {
@@ -30,18 +31,19 @@ export class Keep {
   }
 
   // Take up a whole state; the scene is open already.
-  restore({ method, exposure, settings, edits }) {
+  restore({ method, exposure, settings, edits, others, marks }) {
     this.#telling(() => {
       const { state } = this;
       if (state.scene.methods.some(({ name }) => name === method)) state.setMethod(method);
       if (Number.isFinite(exposure)) state.setExposure(Math.max(-10, Math.min(10, exposure)));
       if (settings && Object.keys(settings).length) state.setSettings(settings);
-      this.#take(edits ?? {});
+      this.#take({ ...others, ...edits }, marks ?? {}, others?.materials);
     });
   }
 
   // Edits, as `relight render --edits` takes them: on top of the scene's own, not of what is here.
-  #take({ lights = [], environment, materials = {}, camera }) {
+  // marks are what they do not say of lights, byHand materials that the method does not show.
+  #take({ lights = [], environment, materials = {}, camera }, marks = {}, byHand = null) {
     const { state } = this;
     const { scene } = state;
     const own = structuredClone(scene.lights);
@@ -56,13 +58,15 @@ export class Keep {
         .map(([name, schema]) => [name, schema.default]),
     );
     const description = structuredClone(scene.environment.description);
+    const all = [...kept, ...added.map((light) => ({ ...complete(light), ...light }))];
     state.restore({
-      lights: [...kept, ...added.map((light) => ({ ...complete(light), ...light }))],
+      lights: all.map((light) => (marks[light.id] ? marked(light, marks[light.id]) : light)),
       environment: environment ? { rotation_degrees: 0, intensity: 1, ...description, ...environment }
         : description,
-      materialEdits: state.takes("materials") ? materials : {},
+      materialEdits: byHand ?? (state.takes("materials") ? materials : {}),
     });
-    if (!state.takes("materials") && Object.keys(materials).length) state.setMaterials(materials);
+    const made = !state.takes("materials") && !byHand && Object.keys(materials).length;
+    if (made) state.setMaterials(materials);
     state.setCamera({ ...structuredClone(scene.camera), ...camera });
   }
 
@@ -98,11 +102,15 @@ export class Keep {
     this.#tell(`${name} is saved.`);
   }
 
-  // The whole state, as `restore` takes it.
+  // The whole state, as `restore` takes it. `others` are edits that the method does not show, `marks`
+  // what the page alone knows of lights.
   get whole() {
-    const { scene, exposure, method, chosen } = this.state;
+    const { state } = this;
+    const { scene, exposure, method, chosen, lights } = state;
+    const [edits, all] = [state.edits(), state.edits(true)];
+    const others = Object.fromEntries(Object.entries(all).filter(([key]) => !(key in edits)));
     const settings = chosen[method] ?? {};
-    return { scene: scene.name, method, exposure, settings, edits: this.state.edits() };
+    return { scene: scene.name, method, exposure, settings, edits, others, marks: marksOf(lights) };
   }
 
   async #copyLink() {

@@ -1,12 +1,16 @@
 // The page: wires state, picture, handles, panels and the live socket together.
 
+import { drawMethods } from "./choices.js";
 import { Compare } from "./compare.js";
 import { Detail } from "./detail.js";
 import { EnvironmentPanel } from "./environment.js";
+import { follow, leftOut } from "./follow.js";
 import { Front } from "./front.js";
 import { Handles } from "./handles.js";
 import { History } from "./history.js";
 import { Keep } from "./keep.js";
+import { Keys } from "./keys.js";
+import { LightList } from "./light_list.js";
 import { Live } from "./live.js";
 import { MaterialEditor } from "./material_editor.js";
 import { Materials, post } from "./materials.js";
@@ -15,22 +19,15 @@ import { Panel } from "./panel.js";
 import { Picking } from "./picking.js";
 import { Reference } from "./reference.js";
 import { Requests } from "./requests.js";
-import { Scenes, called, choice } from "./scenes.js";
+import { Scenes, called } from "./scenes.js";
 import { Snapshots } from "./snapshots.js";
 import { State } from "./state.js";
 import { Status, told } from "./status.js";
+import { welcome } from "./welcome.js";
 
 const find = (id) => document.getElementById(id);
 const canvas = find("canvas");
 const context = canvas.getContext("2d", { alpha: false });
-
-// What a person does with each method.
-const METHODS = {
-  direct_to_indirect: ["Lights", "drag the lamps; the camera stands still"],
-  glossy_prt: ["Camera and sky", "turn the view and the environment"],
-  brdf_editing: ["Materials", "change what things are made of, and the lamps; the camera stands still"],
-  wavelet_brdf: ["Measured", "measured materials: the view, the lamps, which material; no indirect light"],
-};
 
 const state = new State();
 let live = null;
@@ -40,12 +37,16 @@ const status = new Status(find, async (job) => {
   await (ended ? precompute() : call(`api/jobs/${job.id}`, { method: "DELETE" }));
 });
 const requests = new Requests(state, (edit, cause) => live?.send(edit, cause));
-const handles = new Handles(state, {
-  picture: find("picture"), handles: find("handles"), lines: find("lines"),
+const list = new LightList(state, {
+  list: find("lights"), tools: find("lights-tools"), filter: find("lights-filter"),
+  count: find("lights-count"), several: find("several"),
 });
-const panel = new Panel(state, {
-  list: find("lights"), light: find("light"), add: find("add"), reset: find("reset"),
-});
+const handles = new Handles(
+  state,
+  { picture: find("picture"), handles: find("handles"), lines: find("lines") },
+  () => list.adding,
+);
+const panel = new Panel(state, { light: find("light"), add: find("add"), reset: find("reset") });
 const environment = new EnvironmentPanel(
   state,
   {
@@ -56,7 +57,7 @@ const environment = new EnvironmentPanel(
 );
 const materials = new Materials(
   state,
-  { part: find("materials-part"), list: find("materials") },
+  { part: find("materials-part"), list: find("materials"), other: find("materials-by-hand") },
   { call, follow: (job) => status.asked(job), problem: (problem) => status.problem(problem) },
 );
 const editor = new MaterialEditor(
@@ -90,10 +91,23 @@ const keep = new Keep(state, find, { problem: (detail) => status.problem({ detai
 new Snapshots(state, find, keep);
 new History(state, { undo: find("undo"), redo: find("redo") });
 const scenes = new Scenes(find, { call, open });
+follow(state);
 const orbit = new Orbit(state, find("picture"), find("camera-mode"));
+new Keys(
+  state,
+  { dialog: find("keys"), open: find("keys-open"), close: find("keys-close") },
+  { handles, list },
+);
+welcome(find("welcome"), find("welcome-close"));
+for (const button of document.querySelectorAll("[data-jump]")) {
+  button.addEventListener("click", () => {
+    const parts = button.dataset.jump.split(" ").map(find);
+    parts.find((part) => !part.hidden)?.scrollIntoView({ block: "start" });
+  });
+}
 
 state.listen((what, moving) => {
-  for (const side of [panel, environment]) what === "scene" ? side.open() : side.draw();
+  for (const side of [list, panel, environment]) what === "scene" ? side.open() : side.draw();
   editor.draw();
   detail.draw();
   handles.draw();
@@ -102,14 +116,16 @@ state.listen((what, moving) => {
     editor.open();
     picking.draw();
     front.open();
-    drawMethods();
+    drawMethods(find("methods"), state, (name) => state.setMethod(name));
+    orbit.setMode(state.takes("camera"));
   }
+  status.note(leftOut(state));
   if (["scene", "method", "materials"].includes(what)) materials.refresh();
   if (["materialEdits", "restored"].includes(what) && !moving) editor.refit();
   find("camera-reset").disabled = !state.cameraMoved;
   if (what === "exposure") drawExposure();
   reference.changed(what, moving);
-  if (what === "selected") return;
+  if (what === "selected" || (what === "hand" && !state.takes("materials"))) return;
   canvas.dataset.state = "changing";
   requests.changed(moving, what === "camera" && !state.takes("camera"));
 });
@@ -168,7 +184,20 @@ function sendFile(what, file) {
 function drawExposure() {
   const stops = state.exposure;
   find("exposure").value = stops;
-  find("exposure-value").textContent = `${stops > 0 ? "+" : ""}${stops.toFixed(1)} EV`;
+  const words = `${stops > 0 ? "+" : ""}${stops.toFixed(1)} EV`;
+  find("exposure-value").textContent = words;
+  status.exposure(words);
+}
+
+// What the method has precomputed for the scene's own view, or for all views.
+async function drawBytes() {
+  const { scene, method } = state;
+  status.bytes(0);
+  if (canvas.dataset.method !== method || (state.cameraMoved && !state.takes("camera"))) return;
+  const { methods } = await call(`api/scenes/${encodeURIComponent(scene.name)}`);
+  if (scene === state.scene && method === state.method) {
+    status.bytes(methods.find(({ name }) => name === method)?.bytes ?? 0);
+  }
 }
 
 function showFrame(bitmap, header, roundTrip, cause) {
@@ -179,12 +208,14 @@ function showFrame(bitmap, header, roundTrip, cause) {
   // A smaller frame holds every second pixel, the first one of each pair.
   const shift = (1 - header.scale) / 2;
   context.drawImage(bitmap, shift, shift, header.width * header.scale, header.height * header.scale);
+  const other = ["method", "preview"].some((key) => canvas.dataset[key] !== String(header[key]));
+  for (const key of ["seq", "scale", "format", "method", "preview"]) canvas.dataset[key] = header[key];
   // What the method makes of the materials is known once its product is there.
-  if (["method", "preview"].some((key) => canvas.dataset[key] !== String(header[key]))) {
+  if (other) {
     materials.refresh();
     editor.refit();
+    drawBytes();
   }
-  for (const key of ["seq", "scale", "format", "method", "preview"]) canvas.dataset[key] = header[key];
   const final = requests.isFinal(header);
   canvas.dataset.state = final ? "final" : "changing";
   if (final) compare.keep();
@@ -202,21 +233,6 @@ function showFrame(bitmap, header, roundTrip, cause) {
       start: cause, end: performance.now(), detail: { seq: header.seq, scale: header.scale },
     });
   });
-}
-
-function drawMethods() {
-  const { scene, method } = state;
-  const buttons = scene.methods.map(({ name, paper }) => {
-    const button = choice(...(METHODS[name] ?? [name, paper]), name === method);
-    button.title = paper;
-    button.dataset.method = name;
-    button.addEventListener("click", () => state.setMethod(name));
-    return button;
-  });
-  find("methods").replaceChildren(...buttons);
-  find("lights-part").hidden = !state.takes("lights");
-  find("environment-part").hidden = !state.takes("environment");
-  orbit.setMode(state.takes("camera"));
 }
 
 function drawFacts(scene) {
@@ -255,7 +271,8 @@ async function open(known) {
   }
   document.title = `${called(known)} · Relight`;
   const { width, height } = scene.camera;
-  find("picture").style.setProperty("--ratio", width / height);
+  find("stage").style.setProperty("--ratio", width / height);
+  delete canvas.dataset.method;
   drawFacts(scene);
   live = new Live(name, {
     frame: showFrame,

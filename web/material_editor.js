@@ -4,6 +4,7 @@ import { strength, withStrength } from "./colour.js";
 import { copyButton } from "./copy.js";
 import { curveEditor } from "./curve_editor.js";
 import { colour, element, field, group, slider, words } from "./fields.js";
+import { byHand, modelsFor } from "./follow.js";
 import { Gallery } from "./gallery.js";
 import { asText, defaults, kind, madeOf, swatch } from "./material_words.js";
 import { post } from "./materials.js";
@@ -20,6 +21,7 @@ export class MaterialEditor {
   #fields = [];
   #fits = {}; // how the method models them, by name
   #scene = null;
+  #opened = null; // what the list and the controls are for
 
   // call(path, options) asks the service; thumbnail(material) and sendMeasured(file) see `Gallery`.
   constructor(state, { part, list, box, reset }, { call, thumbnail, sendMeasured }) {
@@ -34,10 +36,21 @@ export class MaterialEditor {
     reset.addEventListener("click", () => state.setMaterialEdits({}));
   }
 
-  // The scene or the method is another one.
+  // The scene or the method is another one. What a method that stands still with its materials shows
+  // can be taken in hand too: another method goes on from there, with the same controls.
   async open() {
-    this.part.hidden = !this.state.takes("materials");
+    const { state } = this;
+    this.part.hidden = !byHand(state);
     if (this.part.hidden) return;
+    this.models = modelsFor(state);
+    const opened = `${state.scene.name} ${this.models}`;
+    if (opened !== this.#opened || this.#scene !== state.scene) await this.#fill();
+    this.#opened = opened;
+    this.refit();
+    if (state.takes("materials")) state.hold(this.#selected);
+  }
+
+  async #fill() {
     const found = await this.#ask("materials", {});
     if (!found) return;
     this.#own = Object.fromEntries(found.map(({ name, description }) => [name, description]));
@@ -45,22 +58,20 @@ export class MaterialEditor {
     this.list.replaceChildren(...found.map(({ name }) => this.#row(name)));
     if (this.#scene !== this.state.scene) this.gallery.forget();
     this.#scene = this.state.scene;
-    if (this.#measures) this.gallery.open(this.state.models);
+    if (this.#measures) this.gallery.open(this.models);
     this.#fits = {};
     this.#built = "";
     this.draw();
-    this.refit();
-    this.state.hold(this.#selected);
   }
 
   // Whether the method takes measured materials, and codes whatever is glossy.
   get #measures() {
-    return this.state.models.includes("measured");
+    return this.models.includes("measured");
   }
 
   // The method's product or the materials are others: what does it make of them?
   async refit() {
-    if (this.part.hidden || !this.#measures) return;
+    if (this.part.hidden || !this.#measures || !this.state.takes("materials")) return;
     const { method, materialEdits } = this.state;
     const { materials = {} } = this.state.edits();
     const found = await this.#ask(`materials?${new URLSearchParams({ method })}`, { materials });
@@ -162,6 +173,7 @@ export class MaterialEditor {
     this.made.title = "Size of the wavelet code, its mean relative error, and how many tiles it has";
     this.box.replaceChildren(title, this.made);
     if (this.#measures) this.box.append(this.gallery.box);
+    else this.#measured();
     this.#kind(material);
     const { properties } = this.state.scene.material_types[material.type] ?? { properties: {} };
     for (const [property, schema] of Object.entries(properties)) {
@@ -173,12 +185,25 @@ export class MaterialEditor {
     }
   }
 
+  // The way to those that another method has.
+  #measured() {
+    const { state } = this;
+    const method = state.scene.methods.find(({ models, edits }) =>
+      models.includes("measured") && edits.includes("materials"));
+    if (!method) return;
+    const button = element("button", { type: "button", textContent: "Measured materials …" });
+    button.addEventListener("click", () => state.setMethod(method.name));
+    const row = element("div", { className: "buttons" });
+    row.append(button);
+    this.box.append(row);
+  }
+
   // Another type, or a material that is known by name.
   #kind({ type }) {
     const { material_types: types, material_presets: presets } = this.state.scene;
     const known = Object.assign({}, ...Object.values(presets));
     const select = element("select", {});
-    const names = [...new Set([...this.state.models, type])];
+    const names = [...new Set([...this.models, type])];
     const option = (name) => new Option(name, `preset ${name}`);
     const able = (members) => Object.keys(members).filter((name) => names.includes(known[name].type));
     select.append(

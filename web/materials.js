@@ -2,6 +2,7 @@
 // here; then the picture changes over to it. What the method makes of each is told beside it.
 
 import { element, group } from "./fields.js";
+import { methodFor } from "./follow.js";
 
 const OWN = ""; // as the scene has it
 const OFF = 0.5; // error of a fit from which on it is marked, as the service warns
@@ -12,8 +13,9 @@ export class Materials {
   #wanted = null;
 
   // call(path, options) asks the service; follow(job) shows a job, null for none.
-  constructor(state, { part, list }, { call, follow, problem }) {
+  constructor(state, { part, list, other }, { call, follow, problem }) {
     Object.assign(this, { state, part, list, call, follow, problem });
+    other.addEventListener("click", () => state.setMethod(methodFor(state, "materials").name));
   }
 
   get #path() {

@@ -30,7 +30,7 @@ function polyline(points, camera) {
 }
 
 // Two unit vectors across the axis.
-function across(axis, up) {
+export function across(axis, up) {
   let side = cross(up, axis);
   if (length(side) < 1e-6) side = cross([0, 0, 1], axis);
   if (length(side) < 1e-6) side = [1, 0, 0];
@@ -51,7 +51,7 @@ const SHAPES = {
   uberlight,
 };
 
-const axes = (light) =>
+export const axes = (light) =>
   across(normalize(sub(light.target, light.position)), light.up ?? [0, 1, 0]);
 
 // The rim of the cone at the target.
@@ -75,7 +75,7 @@ function uberlight(light) {
   return ring(light.target, axes(light), a, b, light.roundness);
 }
 
-const throwOf = (light) => length(sub(light.target, light.position));
+export const throwOf = (light) => length(sub(light.target, light.position));
 
 // A superellipse of half axes a and b; roundness 1 is an ellipse.
 function ring(centre, [s, t], a, b, roundness = 1) {

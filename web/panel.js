@@ -1,8 +1,13 @@
-// The lights' side: a list with switches, and every number of the selected light.
+// Every number of the lights that are selected: where they differ nothing is shown, and what is set
+// there is set for all of them.
 
-import { strength, toHex, withStrength } from "./colour.js";
-import { capital, colour, element, field, number, words } from "./fields.js";
-import { actions, temperature } from "./light_actions.js";
+import { strength, withStrength } from "./colour.js";
+import {
+  capital, colour, differ, element, field, group, mark, number, showNumber, words,
+} from "./fields.js";
+import { actions, changeSelected, multiplier, selectedOf, temperature } from "./light_actions.js";
+import { addPreset, PRESETS } from "./light_presets.js";
+import { newLight } from "./new_light.js";
 
 const [INTENSITY, RADIANCE, IRRADIANCE] = ["W/sr", "W/(sr·m²)", "W/m²"];
 const UNITS = {
@@ -18,12 +23,16 @@ const AXES = ["x", "y", "z"];
 export class Panel {
   #built = "";
   #fields = [];
-  #rows = "";
 
-  constructor(state, { list, light, add, reset }) {
-    Object.assign(this, { state, list, box: light, add, resetButton: reset });
+  constructor(state, { light, add, reset }) {
+    Object.assign(this, { state, box: light, add, resetButton: reset });
     add.addEventListener("change", () => {
-      if (add.value) state.addLight(add.value);
+      const [kind, name] = add.value.split(" ");
+      if (kind === "preset") addPreset(state, name);
+      else if (kind) {
+        const light = newLight(state, kind);
+        state.setLights([...state.lights, light], [light.id]);
+      }
       add.value = "";
     });
     reset.addEventListener("click", () => state.reset());
@@ -33,78 +42,51 @@ export class Panel {
     const types = Object.keys(this.state.scene.light_types);
     this.add.replaceChildren(
       new Option("Add …", ""),
-      ...types.map((type) => new Option(`${capital(type)} light`, type)),
+      group("Presets", Object.entries(PRESETS).map(([name, { label }]) => new Option(label, `preset ${name}`))),
+      group("One light", types.map((type) => new Option(`${capital(type)} light`, type))),
     );
-    this.#built = this.#rows = "";
+    this.#built = "";
     this.draw();
   }
 
   draw() {
-    this.resetButton.disabled = !this.state.changed;
-    this.#drawList();
-    const light = this.state.light(this.state.selected);
-    // Inputs are kept while a light stays selected, so that focus and drags survive.
-    const key = light ? `${light.id} ${light.type}` : "";
-    if (key !== this.#built) this.#build(light);
+    const { state } = this;
+    this.resetButton.disabled = !state.changed;
+    const lights = selectedOf(state);
+    // Inputs are kept while the same lights stay selected, so that focus and drags survive.
+    const key = lights.map(({ id, type }) => `${id} ${type}`).join("\n");
+    if (key !== this.#built) this.#build(lights);
     this.#built = key;
-    if (light) for (const show of this.#fields) show(light);
+    if (!lights.length) return;
+    const locked = lights.every((light) => light.locked);
+    this.values.disabled = locked;
+    this.undo.disabled = locked;
+    this.note.hidden = !locked;
+    for (const show of this.#fields) show(lights.at(-1), lights);
   }
 
-  #drawList() {
-    const { state } = this;
-    const rows = state.lights.map((light) => light.id).join("\n");
-    if (rows !== this.#rows || !this.list.children.length) {
-      this.#rows = rows;
-      this.list.replaceChildren(...state.lights.map((light) => this.#row(light.id)));
-      if (!state.lights.length) {
-        this.list.append(element("li", { className: "empty", textContent: "No lights yet: add one." }));
-      }
-    }
-    for (const [index, light] of state.lights.entries()) {
-      const row = this.list.children[index];
-      row.classList.toggle("selected", light.id === state.selected);
-      row.querySelector("input").checked = light.enabled;
-      row.querySelector(".swatch").style.background = light.enabled
-        ? toHex(light.intensity)
-        : "transparent";
-      row.querySelector(".name").setAttribute("aria-pressed", light.id === state.selected);
-    }
-  }
-
-  #row(id) {
-    const { state } = this;
-    const row = element("li", {});
-    const on = element("input", { type: "checkbox", title: `${id} on or off` });
-    on.setAttribute("aria-label", `${id} on`);
-    on.addEventListener("change", () => state.change(id, { enabled: on.checked }));
-    const name = element("button", { type: "button", className: "name", textContent: id });
-    name.addEventListener("click", () => state.select(id));
-    const kind = element("span", { className: "kind", textContent: state.light(id).type });
-    row.append(on, element("span", { className: "swatch" }), name, kind);
-    return row;
-  }
-
-  #build(light) {
+  #build(lights) {
     this.#fields = [];
     this.box.replaceChildren();
-    if (!light) return;
+    if (!lights.length) return;
     const { state } = this;
-    const { id } = light;
-    const change = (fields, moving) => state.change(id, fields, moving);
-    const title = element("h3", { textContent: id });
-    const own = state.isOwn(id);
-    const undo = element("button", { type: "button", textContent: own ? "Remove" : "Reset" });
-    undo.addEventListener("click", () => (own ? state.removeLight(id) : state.reset(id)));
-    title.append(undo);
-    this.box.append(title);
-    this.#shown(actions(state, id));
+    const change = (fields, moving) =>
+      changeSelected(state, typeof fields === "function" ? fields : () => fields, moving);
+    this.#title(lights);
+    this.values = element("fieldset", { className: "values" });
+    this.values.setAttribute("aria-label", "Values");
+    this.#shown(actions(state), this.box);
+    this.note = element("p", { className: "hint", textContent: "Locked: it can only be switched." });
+    this.box.append(this.note, this.values);
 
     this.#colour(change);
     this.#shown(temperature(change));
-    this.#intensity(light, change);
-    const { properties } = state.scene.light_types[light.type];
+    this.#intensity(lights, change);
+    this.#shown(multiplier(state, change));
+    const { properties } = state.scene.light_types[lights.at(-1).type];
     for (const [name, schema] of Object.entries(properties)) {
-      if (SHOWN.has(name)) continue;
+      // What all of them have.
+      if (SHOWN.has(name) || !lights.every((light) => name in light)) continue;
       if (schema.type === "array") this.#numbers(name, schema, change);
       else if (schema.type === "boolean") this.#switch(name, schema, change);
       else if (schema.type === "string") this.#text(name, schema, change);
@@ -114,52 +96,76 @@ export class Panel {
     }
   }
 
+  #title(lights) {
+    const { state } = this;
+    const ids = lights.map(({ id }) => id);
+    const several = lights.length > 1 ? `${lights.length} lights` : ids[0];
+    const title = element("h3", { textContent: several, title: ids.join(", ") });
+    const own = ids.every((id) => state.isOwn(id));
+    this.undo = element("button", { type: "button", textContent: own ? "Remove" : "Reset" });
+    this.undo.addEventListener("click", () => (own ? state.remove(ids) : state.reset(ids)));
+    title.append(this.undo);
+    this.box.append(title);
+  }
+
   #field(label, control, unit = "") {
-    this.box.append(field(label, control, unit));
+    const row = field(label, control, unit);
+    this.values.append(row);
+    return row;
   }
 
   #colour(change) {
-    const { row, show } = colour("Colour", {
+    this.#shown(colour("Colour", {
       get: ({ intensity }) => intensity,
-      change: (intensity, moving) => change({ intensity }, moving),
-      dark: 0,
-    });
-    this.#shown({ row, show });
+      change: (rgb, moving) =>
+        change(({ intensity }) => ({ intensity: withStrength(rgb, strength(intensity)) }), moving),
+      dark: 1,
+    }));
   }
 
-  #shown({ row, show }) {
-    this.box.append(row);
+  #shown({ row, show }, box = this.values) {
+    box.append(row);
     this.#fields.push(show);
   }
 
-  #intensity(original, change) {
+  // Pulled, several gain by the same factor; typed, all have the same.
+  #intensity(lights, change) {
     const { state } = this;
-    const old = state.scene.lights.find((light) => light.id === original.id) ?? original;
+    const { id, type } = lights.at(-1);
+    const unit = UNITS[type] ?? "";
+    const old = state.scene.lights.find((light) => light.id === id) ?? lights.at(-1);
     const middle = Math.log10(strength(old.intensity) || 1);
     const slider = element("input", {
       type: "range", min: middle - DECADES, max: middle + DECADES, step: 0.01,
     });
     const exact = element("input", { type: "number", min: 0, step: "any" });
     exact.setAttribute("aria-label", "Intensity, exact");
-    let light = null;
-    const set = (s, moving) => change({ intensity: withStrength(light.intensity, s) }, moving);
-    slider.addEventListener("input", () => set(10 ** slider.valueAsNumber, true));
-    slider.addEventListener("change", () => set(10 ** slider.valueAsNumber, false));
+    let now = 1;
+    const set = (s) => ({ intensity }) => ({ intensity: withStrength(intensity, s) });
+    const pull = (moving) => {
+      const s = 10 ** slider.valueAsNumber;
+      const gain = s / now;
+      change(lights.length > 1 && now > 0
+        ? ({ intensity }) => ({ intensity: intensity.map((c) => c * gain) }) : set(s), moving);
+    };
+    slider.addEventListener("input", () => pull(true));
+    slider.addEventListener("change", () => pull(false));
     exact.addEventListener("change", () => {
-      if (exact.valueAsNumber >= 0) set(exact.valueAsNumber, false);
+      if (exact.valueAsNumber >= 0) change(set(exact.valueAsNumber), false);
     });
     this.#field("Intensity", slider);
     const row = element("div", { className: "field" });
     const cell = element("span", { className: "unit" });
-    cell.append(exact, element("small", { textContent: UNITS[original.type] ?? "" }));
+    cell.append(exact, element("small", { textContent: unit }));
     row.append(element("span", {}), cell);
-    this.box.append(row);
-    this.#fields.push((now) => {
-      light = now;
-      const s = strength(now.intensity);
-      if (document.activeElement !== slider) slider.value = Math.log10(Math.max(s, 1e-12));
-      slider.setAttribute("aria-valuetext", `${number(s)} ${UNITS[now.type] ?? ""}`);
-      if (document.activeElement !== exact) exact.value = number(s);
+    // Of lights of different kinds the numbers cannot be compared.
+    if (lights.every((light) => UNITS[light.type] === UNITS[type])) this.values.append(row);
+    this.#fields.push((light, all) => {
+      now = strength(light.intensity);
+      const mixed = differ(all, ({ intensity }) => number(strength(intensity)));
+      if (document.activeElement !== slider) slider.value = Math.log10(Math.max(now, 1e-12));
+      slider.setAttribute("aria-valuetext", mixed ? "mixed" : `${number(now)} ${unit}`);
+      showNumber(exact, now, mixed);
     });
   }
 
@@ -177,49 +183,47 @@ export class Panel {
     input.addEventListener("input", () => set(true));
     input.addEventListener("change", () => set(false));
     this.#field(words(name), input, angle ? "°" : BARE.test(name) ? "" : "m");
-    this.#fields.push((now) => {
-      if (document.activeElement !== input) input.value = number(now[name]);
-    });
+    this.#fields.push((now, all) => showNumber(input, now[name], differ(all, (each) => each[name])));
   }
 
   #switch(name, schema, change) {
     const input = element("input", { type: "checkbox", title: schema.description ?? "" });
     input.addEventListener("change", () => change({ [name]: input.checked }, false));
     this.#field(words(name), input);
-    this.#fields.push((now) => {
+    this.#fields.push((now, all) => {
       input.checked = now[name];
+      input.indeterminate = differ(all, (each) => each[name]);
     });
   }
 
   #text(name, schema, change) {
     const input = element("input", { type: "text", title: schema.description ?? "" });
     input.addEventListener("change", () => change({ [name]: input.value.trim() }, false));
-    this.#field(words(name), input);
-    this.#fields.push((now) => {
-      if (document.activeElement !== input) input.value = now[name];
+    const row = this.#field(words(name), input);
+    this.#fields.push((now, all) => {
+      const mixed = differ(all, (each) => each[name]);
+      mark(row, input, mixed);
+      if (document.activeElement !== input) input.value = mixed ? "" : now[name];
     });
   }
 
   #numbers(name, schema, change) {
     const box = element("span", { className: "triple" });
-    let values = [0, 0, 0];
     const inputs = AXES.slice(0, schema.prefixItems?.length ?? 3).map((axis, index) => {
       const input = element("input", { type: "number", step: "any" });
       input.setAttribute("aria-label", `${words(name)} ${axis}`);
       input.title = `${axis}: ${schema.description ?? words(name)}`;
       input.addEventListener("change", () => {
         if (Number.isNaN(input.valueAsNumber)) return;
-        change({ [name]: values.map((v, i) => (i === index ? input.valueAsNumber : v)) }, false);
+        change((light) => ({ [name]: light[name].with(index, input.valueAsNumber) }), false);
       });
       return input;
     });
     box.append(...inputs);
     this.#field(words(name), box);
-    this.#fields.push((now) => {
-      values = now[name];
-      inputs.forEach((input, i) => {
-        if (document.activeElement !== input) input.value = String(Number(values[i].toFixed(3)));
-      });
-    });
+    this.#fields.push((now, all) => inputs.forEach((input, i) => {
+      const at = (each) => String(Number(each[name][i].toFixed(3)));
+      showNumber(input, now[name][i], differ(all, at), at(now));
+    }));
   }
 }

@@ -1,4 +1,6 @@
-// A click in the picture picks what is there, for a method that takes materials; a drag does not.
+// A click in the picture picks the material that is there; a drag does not.
+
+import { byHand } from "./follow.js";
 
 const STILL = 4; // pixels of the screen that a hand may slip in a click
 
@@ -13,13 +15,13 @@ export class Picking {
   }
 
   draw() {
-    this.picture.classList.toggle("picking", Boolean(this.state.takes("materials")));
+    this.picture.classList.toggle("picking", Boolean(byHand(this.state)));
   }
 
   #press(event) {
     const { pointerId: id, clientX: x, clientY: y } = event;
     const other = event.altKey || event.ctrlKey || event.metaKey || event.shiftKey;
-    const able = this.state.takes("materials") && !event.target.closest("button, .progress");
+    const able = byHand(this.state) && !event.target.closest("button, .progress");
     // A second finger makes it another gesture.
     const click = able && event.isPrimary && event.button === 0 && !other;
     this.#down = click ? { id, x, y, camera: this.state.camera } : null;

@@ -23,8 +23,10 @@ export class Reference {
     this.pictures.replaceChildren(...this.figures);
     for (const button of [this.ask, this.again]) button.addEventListener("click", () => this.#ask());
     this.close.addEventListener("click", () => this.leave());
-    document.addEventListener("keydown", ({ key }) => {
-      if (key === "Escape" && !this.box.hidden) this.leave();
+    document.addEventListener("keydown", (event) => {
+      if (event.key !== "Escape" || this.box.hidden) return;
+      event.preventDefault();
+      this.leave();
     });
   }
 

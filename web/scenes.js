@@ -1,16 +1,8 @@
 // The list of scenes: those of the service, and those that somebody has sent, which can go again.
 
+import { drawChoices } from "./choices.js";
 import { element } from "./fields.js";
 import { Upload } from "./upload.js";
-
-// One of several to choose from.
-export function choice(name, text, chosen) {
-  const button = element("button", { type: "button" });
-  button.setAttribute("role", "radio");
-  button.setAttribute("aria-checked", String(chosen));
-  button.append(element("b", { textContent: name }), element("small", { textContent: text }));
-  return button;
-}
 
 // What people call a scene.
 export const called = ({ name, description, sent }) => (sent ? description : name);
@@ -41,22 +33,22 @@ export class Scenes {
   // `shown` is the name of the scene that is open.
   draw(shown) {
     this.#shown = shown;
-    this.list.replaceChildren(...this.#scenes.map((scene) => this.#row(scene)));
+    const options = this.#scenes.map((scene) => ({
+      value: scene.name,
+      name: called(scene),
+      about: scene.sent ? "from a file" : scene.description,
+      beside: scene.sent ? this.#remover(scene) : null,
+    }));
+    drawChoices(this.list, options, shown, (name) => this.open(this.named(name)));
   }
 
-  #row(scene) {
-    const { name, description, sent } = scene;
-    const button = choice(called(scene), sent ? "from a file" : description, name === this.#shown);
-    button.addEventListener("click", () => this.open(scene));
-    if (!sent) return button;
+  #remover(scene) {
     const remove = element("button", {
       type: "button", className: "remove", textContent: "×", title: "Remove it from the service",
     });
-    remove.setAttribute("aria-label", `Remove ${description}`);
+    remove.setAttribute("aria-label", `Remove ${scene.description}`);
     remove.addEventListener("click", () => this.#remove(scene));
-    const row = element("div", { className: "sent" });
-    row.append(button, remove);
-    return row;
+    return remove;
   }
 
   async #remove({ name }) {

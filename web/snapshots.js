@@ -1,8 +1,9 @@
-// States to come back to, each with its picture; one of them can be laid over the picture and wiped.
+// States to come back to, each with its picture; one of them can be compared with the live one.
 
+import { Compared } from "./compared.js";
 import { element } from "./fields.js";
 
-const THUMBNAIL = 84; // pixels across
+const THUMBNAIL = 84; // pixels of the page across
 const MOST = 24;
 
 export class Snapshots {
@@ -13,10 +14,12 @@ export class Snapshots {
   // keep knows the whole state, as a link does.
   constructor(state, find, keep) {
     Object.assign(this, { state, keep, canvas: find("canvas"), list: find("snapshots") });
-    Object.assign(this, { over: find("beside"), wipe: find("wipe"), part: find("wipe-part") });
+    this.compared = new Compared({
+      over: find("beside"), apart: find("apart"), stage: find("stage"), part: find("compared-part"),
+      wipe: find("wipe"), beside: find("side-by-side"),
+    });
     this.take = find("snapshot-take");
     this.take.addEventListener("click", () => this.#take());
-    this.wipe.addEventListener("input", () => this.#wiped());
     // Those of one scene: the state of another is none of this one's.
     state.listen((what) => {
       if (what === "scene") this.#forget();
@@ -43,12 +46,12 @@ export class Snapshots {
 
   #made(number, whole, picture) {
     const one = { number, whole, picture };
-    const thumbnail = element("canvas", {
-      width: THUMBNAIL, height: Math.max(1, Math.round((THUMBNAIL * picture.height) / picture.width)),
-    });
+    const width = Math.min(picture.width, Math.round(THUMBNAIL * devicePixelRatio));
+    const height = Math.max(1, Math.round((width * picture.height) / picture.width));
+    const thumbnail = element("canvas", { width, height });
     const context = thumbnail.getContext("2d", { alpha: false });
     context.imageSmoothingQuality = "high";
-    context.drawImage(picture, 0, 0, thumbnail.width, thumbnail.height);
+    context.drawImage(picture, 0, 0, width, height);
     const button = (text, label, act) => {
       const made = element("button", { type: "button", textContent: text });
       made.setAttribute("aria-label", `${label} snapshot ${number}`);
@@ -75,24 +78,12 @@ export class Snapshots {
     this.#all = this.#all.filter((other) => other !== one);
   }
 
-  // Lay a snapshot's picture over the left of the live one, as far as the wipe says.
   #lay(one) {
     this.#laid = one;
-    this.over.hidden = this.part.hidden = one === null;
-    if (one !== null) {
-      const { width, height } = one.picture;
-      Object.assign(this.over, { width, height });
-      this.over.getContext("2d", { alpha: false }).drawImage(one.picture, 0, 0);
-      this.over.setAttribute("aria-label", `Snapshot ${one.number}, on the left`);
-      this.#wiped();
-    }
+    this.compared.show(one);
     for (const { compare } of this.#all) {
       compare.setAttribute("aria-pressed", String(compare === one?.compare));
     }
-  }
-
-  #wiped() {
-    this.over.style.setProperty("--wipe", `${100 - this.wipe.valueAsNumber}%`);
   }
 
   #draw() {

@@ -1,10 +1,10 @@
 // What the person has changed: plain data, one way to change it, listeners.
 
-import { strength } from "./colour.js";
+import { asWire, tidy } from "./lights.js";
 import { isAlong, skySun, turned } from "./sun.js";
-import { add, mix, scale, sub } from "./vector.js";
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+const SWITCHES = ["enabled", "locked"]; // what a locked light still has
 
 export class State {
   #listeners = [];
@@ -19,7 +19,7 @@ export class State {
     this.exposure = 0;
     this.method = "direct_to_indirect";
     this.chosen = {}; // settings of methods, by name
-    this.selected = null;
+    this.selection = []; // ids of lights, the one that was taken last at the end
     this.edited = ""; // what the hand was at last
     this.hand = null; // the material that is picked, and will be edited next
   }
@@ -44,7 +44,7 @@ export class State {
     this.materialEdits = {};
     this.hand = null;
     this.camera = structuredClone(scene.camera);
-    this.selected = scene.lights[0]?.id ?? null;
+    this.selection = scene.lights.slice(0, 1).map(({ id }) => id);
     this.#tell("scene");
   }
 
@@ -68,17 +68,27 @@ export class State {
     return !same(this.camera, this.scene?.camera);
   }
 
-  // Replace some fields of a light. A sun light that stands where the sky has its sun is that sun:
-  // whichever of the two the hand moves takes the other along.
+  // Replace some fields of a light.
   change(id, fields, moving = false) {
-    this.edited = id;
-    const old = this.light(id);
-    const sun = old?.type === "sun" && fields.direction ? skySun(this.environment) : null;
-    this.lights = this.lights.map((light) => (light.id === id ? { ...light, ...fields } : light));
-    if (sun && isAlong(old.direction, sun) && fields.direction[1] <= 0) {
-      const direction = turned(fields.direction, -this.environment.rotation_degrees);
-      const map = { ...this.environment.map, sun_direction: direction };
-      this.environment = { ...this.environment, map };
+    this.changeAll({ [id]: fields }, moving);
+  }
+
+  // Fields of several by their ids; a locked one keeps all but its switches. A sun light that stands
+  // where the sky has its sun is that sun: whichever of the two the hand moves takes the other along.
+  changeAll(changes, moving = false) {
+    this.edited = Object.keys(changes).join();
+    for (const [id, asked] of Object.entries(changes)) {
+      const old = this.light(id);
+      const able = ([name]) => !old.locked || SWITCHES.includes(name);
+      const fields = Object.fromEntries(Object.entries(asked).filter(able));
+      const sun = old.type === "sun" && fields.direction ? skySun(this.environment) : null;
+      const changed = tidy({ ...old, ...fields });
+      this.lights = this.lights.map((light) => (light.id === id ? changed : light));
+      if (sun && isAlong(old.direction, sun) && fields.direction[1] <= 0) {
+        const direction = turned(fields.direction, -this.environment.rotation_degrees);
+        const map = { ...this.environment.map, sun_direction: direction };
+        this.environment = { ...this.environment, map };
+      }
     }
     this.#tell("lights", moving);
   }
@@ -89,7 +99,7 @@ export class State {
     this.environment = environment;
     if (before && after && !same(before, after)) {
       this.lights = this.lights.map((light) =>
-        light.type === "sun" && isAlong(light.direction, before)
+        light.type === "sun" && !light.locked && isAlong(light.direction, before)
           ? { ...light, direction: after }
           : light,
       );
@@ -119,7 +129,7 @@ export class State {
   // Lights, environment and materials in the hand as they were.
   restore({ lights, environment, materialEdits }) {
     Object.assign(this, { lights, environment, materialEdits });
-    if (!this.light(this.selected)) this.selected = this.lights[0]?.id ?? null;
+    this.selection = this.#alive(this.selection);
     this.#tell("restored");
   }
 
@@ -129,10 +139,35 @@ export class State {
     this.#tell("materials");
   }
 
-  select(id) {
-    if (id === this.selected) return;
-    this.selected = id;
+  // The light that was taken last, whose grips are shown; null where none is selected.
+  get selected() {
+    return this.selection.at(-1) ?? null;
+  }
+
+  // A light alone; with `more` beside those that are selected, or no longer among them.
+  select(id, more = false) {
+    const others = this.selection.filter((other) => other !== id);
+    const among = others.length < this.selection.length;
+    if (!more) this.setSelection([id]);
+    else this.setSelection(among ? others : [...others, id]);
+  }
+
+  // A light comes into the hand: with all that are selected if it is one of them.
+  take(id) {
+    const others = this.selection.filter((other) => other !== id);
+    this.setSelection(others.length < this.selection.length ? [...others, id] : [id]);
+  }
+
+  setSelection(ids) {
+    if (same(ids, this.selection)) return;
+    this.selection = ids;
     this.#tell("selected");
+  }
+
+  // Of some lights those that there still are; where none is left, the first one.
+  #alive(ids) {
+    const left = ids.filter((id) => this.light(id));
+    return left.length || !ids.length ? left : this.lights.slice(0, 1).map(({ id }) => id);
   }
 
   setExposure(stops, moving = false) {
@@ -177,71 +212,27 @@ export class State {
     this.#tell("camera", moving);
   }
 
-  // A new light of a type, in view, as strong as its like in the scene.
-  addLight(type) {
-    let number = 1;
-    while (this.light(`${type}-${number}`)) number += 1;
-    const id = `${type}-${number}`;
-    const { position, target } = this.camera;
-    const place = add(mix(position, target, 0.9), scale(this.camera.up, 0.08 * this.scene.diagonal));
-    const properties = this.scene.light_types[type].properties;
-    const light = { id, type, enabled: true, intensity: this.#usualIntensity(type) };
-    if (properties.position) light.position = place;
-    if (properties.target) light.target = add(place, [0, -0.2 * this.scene.diagonal, 1e-3]);
-    if (properties.direction) light.direction = sub(target, add(position, scale(this.camera.up, 1)));
-    const sizes = { width: 0.08, height: 0.08, radius: 0.05, reference_distance: 0.2 };
-    for (const [name, share] of Object.entries(sizes)) {
-      // A beam's width and height are those at one metre, whatever the scene.
-      if (properties[name] && (type !== "uberlight" || name === "reference_distance")) {
-        light[name] = share * this.scene.diagonal;
-      }
-    }
-    for (const [name, schema] of Object.entries(properties)) {
-      if (!(name in light) && schema.default !== undefined) light[name] = schema.default;
-    }
-    this.setLights([...this.lights, light], id);
-  }
-
-  // All of them at once, and which of them is selected.
-  setLights(lights, selected = this.selected) {
+  // All of them at once, and which of them are selected.
+  setLights(lights, selection = this.selection) {
     this.lights = lights;
-    this.selected = this.light(selected) ? selected : (lights[0]?.id ?? null);
+    this.selection = this.#alive(selection);
     this.#tell("lights");
     this.#tell("selected");
   }
 
-  #usualIntensity(type) {
-    const like = this.scene.lights.filter((light) => light.type === type);
-    if (like.length && type !== "uberlight") return like[0].intensity;
-    const points = this.scene.lights.map((light) => strength(light.intensity) * this.#reach(light));
-    const d = this.scene.diagonal;
-    const sizes = { width: 0.08 * d, height: 0.08 * d, radius: 0.05 * d };
-    const wanted = { type, ...sizes, reference_distance: 0.2 * d };
-    const s = (points.length ? Math.max(...points) || 1 : 0.1 * d * d) / this.#reach(wanted);
-    return [s, s, s];
+  // Added lights go; the scene's own can only be turned off. Locked ones stay as they are.
+  remove(ids) {
+    const asked = ({ id, locked }) => ids.includes(id) && !locked;
+    const left = this.lights.filter((light) => !asked(light) || !this.isOwn(light.id));
+    this.setLights(left.map((light) => (asked(light) ? { ...light, enabled: false } : light)));
   }
 
-  // What a light of strength 1 gives straight ahead is what a point of so many W/sr gives: a lamp
-  // of A square metres is a point of A times its radiance.
-  #reach({ type, width, height, radius, reference_distance: distance }) {
-    switch (type) {
-      case "area": return width * height;
-      case "disk": case "sphere": return Math.PI * radius ** 2;
-      case "distant": case "sun": return 0.2 * this.scene.diagonal ** 2;
-      case "uberlight": return distance ** 2;
-      default: return 1;
-    }
-  }
-
-  // Added lights go; the scene's own can only be turned off.
-  removeLight(id) {
-    this.setLights(this.lights.filter((light) => light.id !== id));
-  }
-
-  reset(id = null) {
-    const original = structuredClone(this.scene.lights);
-    const one = (light) => (light.id === id ? original.find((l) => l.id === id) : light);
-    this.setLights(id ? this.lights.map(one) : original);
+  // As the scene has them, all or some; locked ones stay as they are.
+  reset(ids = this.lights.map(({ id }) => id)) {
+    const own = new Map(structuredClone(this.scene.lights).map((light) => [light.id, light]));
+    const asked = ({ id, locked }) => ids.includes(id) && !locked;
+    const left = this.lights.filter((light) => !asked(light) || own.has(light.id));
+    this.setLights(left.map((light) => (asked(light) ? own.get(light.id) : light)));
   }
 
   resetCamera() {
@@ -256,23 +247,24 @@ export class State {
     return Object.fromEntries(changed);
   }
 
-  // As `POST /api/scenes/{scene}/frame` and `relight render --edits` take them.
-  edits() {
+  // As `POST /api/scenes/{scene}/frame` and `relight render --edits` take them: what the method shows,
+  // or everything.
+  edits(everything = false) {
+    const takes = (kind) => everything || this.takes(kind);
     const edits = {};
-    const lights = this.lights.filter(
-      (light) => !same(light, this.scene.lights.find((old) => old.id === light.id)),
-    );
-    if (lights.length && this.takes("lights")) edits.lights = lights;
-    if (this.takes("materials")) {
+    const own = (light) => this.scene.lights.find(({ id }) => id === light.id);
+    const lights = this.lights.map(asWire).filter((light) => !same(light, own(light)));
+    if (lights.length && takes("lights")) edits.lights = lights;
+    if (takes("materials")) {
       const { models } = this;
-      const able = ([, { type }]) => models.includes(type);
+      const able = ([, { type }]) => everything || models.includes(type);
       const materials = Object.fromEntries(Object.entries(this.materialEdits).filter(able));
       if (Object.keys(materials).length) edits.materials = materials;
     } else if (Object.keys(this.materials).length && this.takes("camera")) {
       // A method that holds the camera fixed too has not been precomputed with them.
       edits.materials = this.materials;
     }
-    if (this.environmentChanged && this.takes("environment")) edits.environment = this.#environmentEdit();
+    if (this.environmentChanged && takes("environment")) edits.environment = this.#environmentEdit();
     if (this.cameraMoved) {
       const { position, target, up, fov_y_degrees } = this.camera;
       edits.camera = { position, target, up, fov_y_degrees };

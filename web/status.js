@@ -39,11 +39,18 @@ export class Status {
   #asked = null;
   #budget = 0;
   #warnings = [];
+  #own = null;
 
   // action(job) is called by the button beside the progress bar.
   constructor(find, action) {
     this.find = find;
     find("progress-action").addEventListener("click", () => action(this.#job));
+    const more = find("notes-more");
+    more.addEventListener("click", () => {
+      const open = more.getAttribute("aria-expanded") !== "true";
+      more.setAttribute("aria-expanded", String(open));
+      find("notes").hidden = !open;
+    });
   }
 
   // way: "socket", "requests" where something blocks sockets, or null
@@ -80,15 +87,48 @@ export class Status {
     this.#notes();
   }
 
+  // What the page itself has to say, or null.
+  note(text) {
+    this.#own = text;
+    this.#notes();
+  }
+
+  // The bytes that the method has precomputed; 0 for none.
+  bytes(count) {
+    this.find("status-bytes").textContent = count ? size(count) : "";
+  }
+
+  exposure(words) {
+    this.find("status-exposure").textContent = words;
+  }
+
   #notes() {
     const worth = this.#warnings.filter(({ size }) => size === 0 || size >= this.#budget);
     const messages = worth.map(({ message }) => message);
+    if (this.#own) messages.unshift(this.#own);
+    this.#count(messages);
     const list = this.find("status-warnings");
     messages.forEach((message, i) => {
       const item = list.children[i] ?? list.appendChild(document.createElement("li"));
       if (item.textContent !== message) item.textContent = message;
     });
     while (list.children.length > messages.length) list.lastChild.remove();
+  }
+
+  // The first of them in a line of its own, which is always there: nothing moves when it changes.
+  #count(messages) {
+    const first = this.find("notes-first");
+    const text = messages[0] ?? "No warnings";
+    if (first.textContent !== text) first.textContent = text;
+    first.classList.toggle("none", !messages.length);
+    const more = this.find("notes-more");
+    more.hidden = !messages.length;
+    const words = messages.length === 1 ? "1 warning" : `${messages.length} warnings`;
+    if (more.textContent !== words) more.textContent = words;
+    if (!messages.length) {
+      more.setAttribute("aria-expanded", "false");
+      this.find("notes").hidden = true;
+    }
   }
 
   problem(problem) {
@@ -133,6 +173,9 @@ export function told({ file, field, detail }) {
   const where = [file, field].filter(Boolean).join(", ");
   return where ? `${where}: ${detail}` : detail;
 }
+
+const size = (bytes) =>
+  (bytes < 1e6 ? `${Math.max(1, Math.round(bytes / 1e3))} kB` : `${Number((bytes / 1e6).toPrecision(2))} MB`);
 
 function phase(name) {
   if (name.startsWith(PREVIEW)) return `a preview, ${phase(name.slice(PREVIEW.length))}`;

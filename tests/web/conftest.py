@@ -61,7 +61,7 @@ def serve(scene: Path, store: Path, settings: dict[str, int]) -> Iterator[str]:
         yield address[0]
     finally:
         process.send_signal(signal.SIGINT)
-        process.wait(timeout=20)
+        process.wait(timeout=60)
         process.stdout.close()
 
 
@@ -75,11 +75,16 @@ def scene_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def address(scene_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    settings = {"gather_samples": 4096}
-    with serve(scene_file, tmp_path_factory.mktemp("store"), settings) as address:
+    """One service for all modules but those that want a fresh one: see `fresh`."""
+    with fresh(scene_file, tmp_path_factory.mktemp("store")) as address:
         yield address
+
+
+def fresh(scene_file: Path, store: Path) -> AbstractContextManager[str]:
+    """A service that has precomputed nothing yet."""
+    return serve(scene_file, store, {"gather_samples": 4096})
 
 
 @pytest.fixture(scope="session", autouse=True)

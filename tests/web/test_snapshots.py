@@ -49,8 +49,16 @@ def test_a_snapshot_is_gone_back_to_and_compared_with(visit: Any) -> None:
         or page.evaluate(SHOWN)["clip"] == "inset(0px)"
     )
     np.testing.assert_array_equal(settled(page), after)
-    page.get_by_role("button", name="Compare with snapshot 1").click()
+    # Side by side, as large as each other and apart.
+    page.get_by_label("Side by side").check()
     assert page.evaluate(SHOWN)["hidden"]
+    apart, live = (page.locator(each).bounding_box() for each in ("#apart", "#picture"))
+    assert apart is not None
+    assert live is not None
+    assert apart["width"] == pytest.approx(live["width"], abs=1)
+    assert apart["x"] + apart["width"] <= live["x"]
+    page.get_by_role("button", name="Compare with snapshot 1").click()
+    assert page.locator("#apart").is_hidden()
 
     # Back, and forth again: each is a step that can be undone.
     page.get_by_role("button", name="Go back to snapshot 1").click()
