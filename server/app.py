@@ -20,7 +20,7 @@ from server.products import Precompute
 from server.rates import Limited, Rates
 from server.routes import router
 from server.service import Service
-from server.stage import MEMORY, stages
+from server.stages import MEMORY, stages
 from server.token import HoldersOnly
 
 MAX_BODY = 1 << 20

@@ -27,7 +27,8 @@ from engine.methods import METHODS
 from engine.methods.base import MaterialFit, Method
 from engine.scene.edits import Edits, edited_environment
 from engine.scene.pick import material_at
-from server.stage import Stage, Stages
+from server.stage import Stage
+from server.stages import Stages
 from server.wire import (
     EnvironmentDetail,
     JobState,

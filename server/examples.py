@@ -20,6 +20,7 @@ RED = {"materials": {"white": {"diffuse": [0.6, 0.1, 0.1]}}}
 
 # A map of 2 x 1 pixels: red-green-blue mantissas and an exponent for each.
 MAP = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n@@@~@@p~"
+TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 # One colour, measured in a few directions.
 ROWS = [
     f"{i},0,{o},{p},0.02,0.2,0.02" for i in (10, 40, 70) for o in (10, 70) for p in (0, 90, 180)
@@ -39,7 +40,9 @@ JOB = {
     "eta_seconds": 27.7,
     "problem": None,
 }
-SUMMARY = {"name": "cornell-box", "description": "the Cornell box", "default": True}
+SUMMARY = {
+    "name": "cornell-box", "description": "the Cornell box", "default": True, "sent": False,
+}  # fmt: skip
 CAMERA = {
     "position": [0.278, 0.273, -0.8],
     "target": [0.278, 0.273, 0],
@@ -150,6 +153,11 @@ EXAMPLES: dict[tuple[str, str], Example] = {
     ("get", "/api/jobs/{job}/events"): Example(),
     ("get", "/api/jobs/{job}/reference"): Example({"exposure": 0}, answer=REFERENCE),
     ("get", "/api/jobs/{job}/reference/{which}"): Example({"exposure": 0}),
+    ("post", "/api/scenes"): Example(
+        {"name": "triangle.obj"}, TRIANGLE, BYTES,
+        {"name": "upload:9d21", "description": "triangle.obj", "default": False, "sent": True},
+    ),
+    ("delete", "/api/scenes/{scene}"): Example(),
     ("post", "/api/maps"): Example(
         {"name": "two.hdr"}, MAP, BYTES,
         {"name": "upload:two-3f6c.exr", "label": "two.hdr", "width": 2, "height": 1},

@@ -14,7 +14,7 @@ from fastapi import FastAPI
 from engine.errors import RelightError
 from server.app import MAX_BODY, create_app
 from server.origin import names_of
-from server.stage import MEMORY
+from server.stages import MEMORY
 from server.token import checked
 
 TRIES = 20

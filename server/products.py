@@ -17,7 +17,8 @@ from engine.methods import prepare
 from engine.methods.base import Product, Progress
 from engine.scene.scene import Scene
 from server.precompute import PREVIEW_READY, Task, preview_store, settings_of
-from server.stage import Stage, Stages
+from server.stage import Stage
+from server.stages import Stages
 
 log = logging.getLogger(__name__)
 

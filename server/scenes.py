@@ -21,7 +21,8 @@ from server.maps import label_of
 from server.measured import stem_of
 from server.problems import Forbidden, UnknownKind
 from server.read_scene import KINDS, read_scene
-from server.stage import SENT, Stage, Stages
+from server.stage import SENT, Stage
+from server.stages import Stages
 
 KEPT = 16
 MAX_BYTES = 4 << 30  # of all that are kept

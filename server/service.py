@@ -27,7 +27,8 @@ from server.products import Precompute, Products
 from server.reader import Reader
 from server.scenes import SentScenes
 from server.shelf import Recent
-from server.stage import HELD, METHOD, Stage, Stages
+from server.stage import HELD, METHOD, Stage
+from server.stages import Stages
 from server.wire import Chart, JobState, MaterialDetail, PrecomputeRequest, SceneDetail
 from server.worker import Drawn, Order, Worker, draw, relit
 

@@ -9,10 +9,9 @@ them are drawn once it has been precomputed for them.
 from __future__ import annotations
 
 import json
-import re
 import threading
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping
+from dataclasses import asdict, replace
 from pathlib import Path, PurePath
 from typing import Any, NamedTuple
 
@@ -30,8 +29,6 @@ from server.precompute import Key, Materials, Task, key_of, settings_of
 from server.shelf import Recent, Shelf, Shelved
 
 METHOD = "direct_to_indirect"
-MEMORY = 4e9  # bytes of products
-KEPT_DIRECT = 8  # views in direct light, of all scenes together
 QUICK = "preview"  # in the name of a quick version on the shelf
 MAP_FILES, MEASURED_FILES = {".hdr", ".exr"}, {".brdf", ".binary", ".csv"}
 MOST_FILES = 100
@@ -235,75 +232,3 @@ def _key(camera: Camera, method: str, materials: Materials | None) -> Key:
     if method not in METHODS:
         raise NotFound(f"there is no method {method!r}; there are {', '.join(METHODS)}")
     return key_of(method, camera, materials)
-
-
-@dataclass(frozen=True)
-class Stages:
-    """All scenes by their name in URLs; the first is the default."""
-
-    stages: dict[str, Stage]
-    shelf: Shelf
-
-    @property
-    def default(self) -> Stage:
-        """The scene that the page opens."""
-        return next(iter(self.stages.values()))
-
-    def get(self, name: str) -> Stage:
-        """Raises NotFound."""
-        try:
-            return self.stages[name]
-        except KeyError:
-            known = ", ".join(name for name in self.stages if not name.startswith(SENT))
-            raise NotFound(f"there is no scene {name!r:.80}; there are {known}") from None
-
-    def join(self, name: str, path: Path, description: str) -> Stage:
-        """The stage of a scene that was sent; a new one where it is not here."""
-        return self.stages.setdefault(
-            name, Stage(name, str(path.resolve()), description, self.shelf)
-        )
-
-    def leave(self, name: str) -> None:
-        """A scene that was sent goes; who looks at it may go on."""
-        self.stages.pop(name, None)
-
-
-def stages(sources: Sequence[str], memory: float = MEMORY) -> Stages:
-    """The sources in their order, then the built-in scenes that are not among them.
-
-    In so many bytes of memory their products are kept. A source is the name of a built-in scene or
-    a file. NotFound where it is neither.
-    """
-    builtin = dict(scenes())
-    found: dict[str, Stage] = {}
-    shelf, direct = Shelf(memory), Direct(KEPT_DIRECT)
-    for source in sources:
-        if source in builtin:
-            found[source] = Stage(source, source, builtin[source], shelf, direct)
-            continue
-        path = Path(source)
-        if not path.exists():
-            raise NotFound(
-                f"there is no file {source!r} and no built-in scene of that name; "
-                f"there are {', '.join(builtin)}"
-            )
-        name = unique(slug(path), {*found, *builtin})
-        found[name] = Stage(name, str(path.resolve()), path.name, shelf, direct)
-    for source, description in builtin.items():
-        if source not in found:
-            found[source] = Stage(source, source, description, shelf, direct)
-    return Stages(found, shelf)
-
-
-def slug(path: Path) -> str:
-    """Lower-case letters, digits and hyphens from a file name; `scene.json` takes its folder's."""
-    stem = path.resolve().parent.name if path.stem == "scene" else path.stem
-    return re.sub(r"[^a-z0-9]+", "-", stem.lower()).strip("-") or "scene"
-
-
-def unique(name: str, taken: set[str]) -> str:
-    """The name, with a number behind it where it is taken."""
-    candidate, number = name, 2
-    while candidate in taken:
-        candidate, number = f"{name}-{number}", number + 1
-    return candidate

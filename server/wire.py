@@ -56,8 +56,7 @@ class Notice(Wire):
     @staticmethod
     def of(diagnosis: Diagnosis) -> Notice:
         """From the engine's diagnosis."""
-        size = min(diagnosis.size, 1e30)
-        return Notice(code=diagnosis.code, message=diagnosis.message, size=size)
+        return Notice(**{**vars(diagnosis), "size": min(diagnosis.size, 1e30)})
 
 
 class SceneSummary(Wire):

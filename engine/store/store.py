@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import shutil
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
@@ -49,7 +50,7 @@ class Store:
         return RemoteEntry(files, f"{folder.rstrip('/')}/{key}", self.root / key)
 
     def remove(self) -> None:
-        """Remove all entries; arrays that are still mapped stay valid."""
+        """Remove a folder of this machine; arrays that are still mapped stay valid."""
         shutil.rmtree(self.root, ignore_errors=True)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from engine.errors import NotFound
 from engine.scene.edits import Edits
-from server.stage import slug, stages, unique
+from server.stages import slug, stages, unique
 
 
 @pytest.mark.parametrize(
