@@ -244,7 +244,7 @@ def mutated(name: str, data: bytes, rng: np.random.Generator) -> bytes:
         header, binary = gltf()
         if rng.random() < 0.3:
             return glb(header, _damaged(binary, rng))
-        _change_tree(header, rng)
+        change_tree(header, rng)
         return glb(header, binary)
     return _damaged(data, rng)
 
@@ -252,7 +252,7 @@ def mutated(name: str, data: bytes, rng: np.random.Generator) -> bytes:
 def _damaged(data: bytes, rng: np.random.Generator) -> bytes:
     if data.startswith(b"{") and rng.random() < 0.8:
         document = json.loads(data)
-        _change_tree(document, rng)
+        change_tree(document, rng)
         return json.dumps(document).encode()
     ways = [_flipped, _flipped, _cut, _spliced, _overwritten, _changed_number, _changed_number]
     for _ in range(rng.integers(1, 3)):
@@ -261,7 +261,7 @@ def _damaged(data: bytes, rng: np.random.Generator) -> bytes:
     return data
 
 
-def _change_tree(document: Any, rng: np.random.Generator) -> None:
+def change_tree(document: Any, rng: np.random.Generator) -> None:
     """Somewhere in a JSON document another value, one entry less, or the same one twice."""
     places: list[tuple[Any, Any]] = []
     todo = [document]

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import collections
 import contextlib
+import copy
+import json
 import time
 import warnings
 from collections.abc import Callable, Iterator
@@ -14,7 +16,9 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
+import hostile
 import httpx
+import numpy as np
 import pytest
 from fastapi import FastAPI
 
@@ -37,6 +41,24 @@ pytestmark = [pytest.mark.sweep, pytest.mark.filterwarnings("default")]
 COUNT = 10_000
 MORE = 1.4  # to ask for, as some strategies run out of requests
 SECONDS = 120.0  # for one request
+ALMOST = 2_000
+PNG = {"Accept": "image/png", "Content-Type": "application/json"}
+EDITS: dict[str, Any] = {
+    "camera": {"position": [0.2, 0.3, -0.6], "fov_y_degrees": 40, "width": 24, "height": 18},
+    "environment": {
+        "map": {"sun_direction": [1, -1, 0.3], "turbidity": 3, "ground": [0.2, 0.2, 0.2]},
+        "rotation_degrees": 10, "intensity": 2, "background": True,
+        "area_light": {"direction": [1, -1, 0], "radius_degrees": 10, "radiance": [9, 8, 7]},
+    },
+    "lights": [
+        {"id": "key", "position": [0.2, 0.4, 0.1], "intensity": [0.3, 0.2, 0.1]},
+        {"id": "ceiling", "enabled": False, "width": 0.2},
+        {"id": "new", "type": "spot", "position": [0.2, 0.4, 0.1], "target": [0, 0, 0],
+         "intensity": [1, 1, 1], "cone_degrees": 30, "penumbra_degrees": 5},
+        {"id": "beam", "type": "projector", "position": [0.2, 0.4, 0.1], "target": [0, 0, 0],
+         "intensity": [1, 1, 1], "image": "window", "fov_y_degrees": 30},
+    ],
+}  # fmt: skip
 KINDS = {"/api/scenes": (".glb", ".gltf", ".obj", ".ply", ".stl", ".zip"),
          "/api/maps": (".exr", ".hdr"), "/api/measured": (".csv", ".brdf", ".binary")}  # fmt: skip
 
@@ -129,3 +151,26 @@ def test_no_request_does_harm(address: tuple[str, dict[str, Any]], tmp_path: Pat
     assert httpx.get(f"{base}/healthz").status_code == 200
     assert [path.name for path in tmp_path.iterdir()] == ["store"]
     assert not list((tmp_path / "store").glob("*/new-*"))
+
+
+def test_edits_that_are_almost_right_do_no_harm(address: tuple[str, dict[str, Any]]) -> None:
+    """Those of a person, but for one value that is none, or far too large, or of another kind."""
+    base, _ = address
+    rng = np.random.default_rng(3)
+    found: collections.Counter[int] = collections.Counter()
+    wrong: list[str] = []
+    drawn = 0
+    with httpx.Client(base_url=f"{base}/api/scenes/tiny-box", timeout=SECONDS) as client:
+        for k in range(ALMOST):
+            edits = copy.deepcopy(EDITS)
+            hostile.change_tree(edits, rng)
+            route = ("frame", "frame", "environment", "materials", "pick?x=0.5&y=0.5")[k % 5]
+            text = json.dumps(edits)
+            answer = client.post(f"/{route}", content=text, headers=PNG)
+            found[answer.status_code] += 1
+            drawn += route == "frame" and answer.status_code == 200
+            if answer.status_code >= 500 and answer.status_code != 503:
+                wrong.append(f"{route} {text}: {answer.text}")
+    print(sorted(found.items()))
+    assert wrong == []
+    assert drawn > ALMOST / 20
