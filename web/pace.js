@@ -13,7 +13,9 @@
 
 export const STOP_MS = 120;
 export const FINAL_MS = 300;
-export const BUDGET_MS = 50;
+// Of the service. From pointer to pixels it takes 70 more where the browser has the same two cores,
+// and that is to be below 100.
+export const BUDGET_MS = 25;
 const REMEMBERED = 3; // full frames, of which all have to fit
 
 const HALF = { scale: 2, quality: 80 };
