@@ -170,8 +170,8 @@ export class Panel {
   }
 
   #number(name, schema, change) {
-    const angle = name.endsWith("_degrees");
-    const input = element("input", { type: "number", step: angle ? 1 : "any" });
+    // A step would allow only what lies whole steps above the least.
+    const input = element("input", { type: "number", step: "any" });
     if (schema.minimum !== undefined) input.min = schema.minimum;
     if (schema.maximum !== undefined) input.max = schema.maximum;
     input.title = schema.description ?? "";
@@ -182,7 +182,8 @@ export class Panel {
     };
     input.addEventListener("input", () => set(true));
     input.addEventListener("change", () => set(false));
-    this.#field(words(name), input, angle ? "°" : BARE.test(name) ? "" : "m");
+    const unit = name.endsWith("_degrees") ? "°" : BARE.test(name) ? "" : "m";
+    this.#field(words(name), input, unit);
     this.#fields.push((now, all) => showNumber(input, now[name], differ(all, (each) => each[name])));
   }
 

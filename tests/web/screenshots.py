@@ -19,7 +19,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from PIL import Image
+from PIL import Image, ImageOps
 from playwright.sync_api import Browser, Page, sync_playwright
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -27,7 +27,7 @@ ARGS = ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background
 WIDE = {"width": 1280, "height": 800}
 NARROW = {"width": 390, "height": 844}
 MOST = 300_000  # bytes of a picture
-COLOURS = 256, 192, 128, 96
+BITS = 8, 7, 6, 5, 4  # of a channel
 WAIT_MS = 1_800_000  # for a precompute
 SETTLED = """(method) => {
   const { dataset } = document.getElementById('canvas');
@@ -159,10 +159,10 @@ PICTURES: dict[str, tuple[str, dict[str, Any], Callable[[Page], None]]] = {
 
 
 def save(page: Page, path: Path) -> None:
-    """With as many colours of a palette as fit."""
+    """With as many bits of a channel as fit."""
     picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
-    for colours in COLOURS:
-        picture.quantize(colours, dither=Image.Dither.FLOYDSTEINBERG).save(path, optimize=True)
+    for bits in BITS:
+        ImageOps.posterize(picture, bits).save(path, optimize=True)
         if path.stat().st_size <= MOST:
             break
     print(f"{path}: {path.stat().st_size / 1000:.0f} kB")

@@ -84,7 +84,8 @@ def test_several_lights_are_edited_as_one(visit: Any) -> None:
     # The rim of the cone is a handle, and changes both by the same factor.
     drag(page, "key", 40, 0, "cone_degrees")
     cones = [light["cone_degrees"] for light in sent(page).values()]
-    assert cones[0] == cones[1] != 25
+    assert cones[0] == pytest.approx(cones[1])
+    assert cones[0] > 26
 
     # A multiplier keeps the intensity, and is what edits have in it; the slider is relative.
     click(page, "key-2")
