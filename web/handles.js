@@ -183,17 +183,21 @@ export class Handles {
     const hold = node.dataset.outside === "true" ? [0, 0] : [shown.x - x, shown.y - y];
     // With a key held, or adding, it is only selected, unless it is dragged then.
     const more = event.ctrlKey || event.metaKey || event.shiftKey || this.adding();
-    const start = [event.clientX, event.clientY];
-    this.#drag = {
-      id, name, depth, ball, line, hold, more, start, pointer: event.pointerId, last: [x, y], moved: false,
-    };
+    const [start, pointer] = [[event.clientX, event.clientY], event.pointerId];
+    this.#drag = { id, name, depth, ball, line, hold, more, start, pointer, last: [x, y], moved: false };
     node.focus({ preventScroll: true });
     if (!more) this.state.take(id);
   }
 
-  #move(event) {
+  // What this pointer drags; null where its light has gone meanwhile.
+  #held({ pointerId }) {
     const drag = this.#drag;
-    if (!drag || drag.pointer !== event.pointerId) return;
+    return drag?.pointer === pointerId && this.state.light(drag.id) ? drag : null;
+  }
+
+  #move(event) {
+    const drag = this.#held(event);
+    if (!drag) return;
     const [x, y] = this.#at(event);
     if (x === drag.last[0] && y === drag.last[1]) return;
     const [sx, sy] = drag.start;
@@ -212,9 +216,9 @@ export class Handles {
   }
 
   #up(event) {
-    const drag = this.#drag;
-    if (!drag || drag.pointer !== event.pointerId) return;
-    this.#drag = null;
+    const drag = this.#held(event);
+    if (this.#drag?.pointer === event.pointerId) this.#drag = null;
+    if (!drag) return;
     if (drag.moved) this.state.change(drag.id, {}, false);
     else if (event.type === "pointerup") this.state.select(drag.id, drag.more);
   }

@@ -101,9 +101,11 @@ export class Panel {
     const ids = lights.map(({ id }) => id);
     const several = lights.length > 1 ? `${lights.length} lights` : ids[0];
     const title = element("h3", { textContent: several, title: ids.join(", ") });
-    const own = ids.every((id) => state.isOwn(id));
+    // Added lights have nothing to go back to.
+    const given = ids.filter((id) => !state.isOwn(id));
+    const own = !given.length;
     this.undo = element("button", { type: "button", textContent: own ? "Remove" : "Reset" });
-    this.undo.addEventListener("click", () => (own ? state.remove(ids) : state.reset(ids)));
+    this.undo.addEventListener("click", () => (own ? state.remove(ids) : state.reset(given)));
     title.append(this.undo);
     this.box.append(title);
   }

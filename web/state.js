@@ -79,6 +79,7 @@ export class State {
     this.edited = Object.keys(changes).join();
     for (const [id, asked] of Object.entries(changes)) {
       const old = this.light(id);
+      if (!old) continue;
       const able = ([name]) => !old.locked || SWITCHES.includes(name);
       const fields = Object.fromEntries(Object.entries(asked).filter(able));
       const sun = old.type === "sun" && fields.direction ? skySun(this.environment) : null;

@@ -115,7 +115,11 @@ def materials(page: Page) -> None:
     box = page.locator("#picture").bounding_box()
     assert box is not None
     page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.keyboard.press("Escape")
     page.locator("#editor select").first.select_option("preset copper")
+    settled(page, "brdf_editing")
+    # The first frame is one that sets up; what is told shall be of one as they are.
+    page.get_by_label("Roughness", exact=True).press("ArrowLeft")
     settled(page, "brdf_editing")
     page.get_by_role("button", name="Materials", exact=True).click()
 
