@@ -69,6 +69,7 @@ def page_of(browser: Browser, address: str, options: dict[str, Any]) -> Iterator
     context = browser.new_context(**options)
     page = context.new_page()
     page.goto(address)
+    page.wait_for_selector("canvas[data-seq]", timeout=WAIT_MS)
     page.get_by_role("button", name="Got it").click()
     yield page
     context.close()
