@@ -60,5 +60,5 @@ export function leftOut(state) {
   const missing = edited(state).filter((kind) => !shows(method, kind, state));
   if (!missing.length) return null;
   const words = missing.map((kind) => WORDS[kind]).join(" and ");
-  return `Not shown by this method: ${words}. Take that in hand, or undo, to see it again.`;
+  return `Not shown now: ${words}. Take that in hand, or undo, to see it.`;
 }

@@ -66,8 +66,8 @@ export class Status {
     const { find } = this;
     const drawn = NAMES[header.method] ?? header.method;
     find("status-method").textContent = header.preview ? `${drawn}, preview` : drawn;
-    const there = roundTrip === null ? "" : `, ${Math.round(roundTrip)} ms to the picture`;
-    find("status-time").textContent = `${header.timings.total.toFixed(1)} ms${there}`;
+    find("status-time").textContent = `${header.timings.total.toFixed(1)} ms`;
+    find("status-trip").textContent = roundTrip === null ? "" : `${Math.round(roundTrip)} ms to the picture`;
     find("status-time").title = Object.entries(header.timings)
       .map(([name, ms]) => `${name} ${ms.toFixed(1)} ms`)
       .join("\n");

@@ -149,6 +149,7 @@ def test_the_panel_in_both_pictures_is_named(visit: Any) -> None:
 
 def pull(page: Page, mark: str, dx: float, dy: float) -> None:
     """Take a mark of the pad, or its open ground, and move it by parts of the pad."""
+    page.locator("#pad").scroll_into_view_if_needed()
     pad = page.locator("#pad").bounding_box()
     assert pad is not None
     x, y = pad["x"] + 0.1 * pad["width"], pad["y"] + 0.9 * pad["height"]
