@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from concurrent.futures import ThreadPoolExecutor, wait
 
 from engine.errors import Cancelled, RelightError
@@ -25,6 +25,11 @@ log = logging.getLogger(__name__)
 Precompute = Callable[[Task, Progress], None]
 
 POLL_SECONDS = 0.1
+READING = {"view samples", "vertices"}  # phases of a product that is in the store
+
+
+class _NotThere(Exception):
+    """The store has not got all of a product."""
 
 
 class Products:
@@ -42,7 +47,7 @@ class Products:
         self._loader.shutdown(wait=True, cancel_futures=True)
 
     def __call__(self, task: Task, progress: Progress) -> None:
-        """Fill the store, then load the product from it, if the task makes one.
+        """Fill the store if it lacks the product, then load it, if the task makes one.
 
         Raises within a moment what `progress` raises.
         """
@@ -50,8 +55,11 @@ class Products:
             self._precompute(task, progress)
             return
         stage = self._stages.get(task.scene)
-
-        ready = False
+        try:
+            stage.install(task, self._load(stage, task, progress, READING))
+            return
+        except _NotThere:
+            ready = False
 
         def told(phase: str, done: float, total: float) -> None:
             nonlocal ready
@@ -64,13 +72,20 @@ class Products:
         self._precompute(wanted, told)
         stage.install(task, self._load(stage, task, progress))
 
-    def _load(self, stage: Stage, task: Task, progress: Progress) -> Product:
-        """Loading seldom asks whether to go on, so somebody else asks meanwhile."""
+    def _load(
+        self, stage: Stage, task: Task, progress: Progress, phases: Set[str] | None = None
+    ) -> Product:
+        """Loading seldom asks whether to go on, so somebody else asks meanwhile.
+
+        Raises _NotThere where it would take other phases than these.
+        """
         given_up = threading.Event()
 
         def still(phase: str, done: float, total: float) -> None:
             if given_up.is_set():
                 raise Cancelled("nobody waits for this product any more")
+            if phases is not None and phase not in phases:
+                raise _NotThere
 
         settings = settings_of(task.method, task.settings)
         future = self._loader.submit(prepare, _seen(stage, task), task.method, settings, still)

@@ -9,19 +9,13 @@ from engine.measure.front import front
 from engine.measure.previews import preview_settings
 from engine.measure.truth import truth
 from engine.methods import prepare
-from engine.methods.base import Product, Progress
+from engine.methods.base import Progress
 from engine.scene.edits import Edits, apply
 from engine.scene.open import open_scene
 from engine.scene.scene import Scene
 from engine.store import Store
 from server.precompute import PREVIEW, PREVIEW_READY, Task, preview_store, settings_of
 from server.wire import Work
-
-READING = {"view samples", "vertices"}  # phases of a product that is in the store
-
-
-class _NotThere(Exception):
-    """The store has not got all of a product."""
 
 
 def do(task: Task, progress: Progress) -> None:
@@ -34,30 +28,12 @@ def _product(task: Task, scene: Scene, progress: Progress) -> None:
     scene = apply(scene, Edits(materials=task.materials)).with_camera(task.camera)
     settings = settings_of(task.method, task.settings)
     quick = preview_settings(scene, task.method, settings) if task.preview else None
-    product = None
     if quick is not None:
-        product = _stored(scene, task.method, settings, progress)
-        if product is None:
-            _preview(task, scene, quick, progress)
-    if product is None:
-        product = prepare(scene, task.method, settings, progress)
+        _preview(task, scene, quick, progress)
+    product = prepare(scene, task.method, settings, progress)
     # What frames need is compiled here and kept, so that the render thread need not wait.
     for scale in (2, 1):
         product.relight(Edits(), scale, "cpu")
-
-
-def _stored(scene: Scene, method: str, settings: Any, progress: Progress) -> Product | None:
-    """The product, where the store has all of it."""
-
-    def read(phase: str, done: float, total: float) -> None:
-        progress(phase, done, total)
-        if phase not in READING:
-            raise _NotThere
-
-    try:
-        return prepare(scene, method, settings, read)
-    except _NotThere:
-        return None
 
 
 def _preview(task: Task, scene: Scene, settings: Any, progress: Progress) -> None:

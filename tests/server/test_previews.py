@@ -15,13 +15,13 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from engine.methods.base import Progress
+from engine.methods.base import Progress, silent
 from engine.scene.open import open_scene
 from engine.scene.scene import Scene
-from engine.store import Store
 from server import products, work
 from server.app import create_app
 from server.precompute import PREVIEW, PREVIEW_READY, Task
+from server.stages import stages
 
 Serving = Callable[[FastAPI], AbstractContextManager[str]]
 FRAME = "/api/scenes/tiny-box/frame"
@@ -133,14 +133,23 @@ def test_cancelled_in_between_it_stays(client: httpx.Client, gate: Gate) -> None
     assert not [phase for phase in gate.phases if phase.startswith(PREVIEW)]
 
 
-def test_none_is_made_of_what_is_stored(tiny_scene: Path, quick: dict[str, int]) -> None:
+def test_what_is_stored_is_loaded_without_a_process(
+    tiny_scene: Path, quick: dict[str, int]
+) -> None:
+    there = stages([str(tiny_scene)])
     task = Task(
         scene="tiny-box", source=str(tiny_scene), camera=open_scene(tiny_scene).camera,
         method="direct_to_indirect", settings=quick, preview=True,
     )  # fmt: skip
-    for times in (1, 0):
-        phases: list[str] = []
-        work.do(task, lambda phase, done, total, to=phases: to.append(phase))  # type: ignore[misc]
-        assert phases.count(PREVIEW_READY) == times
-        assert ("final" in phases) == (times == 1)
-    assert Store().root.joinpath("previews").is_dir()
+    asked: list[str] = []
+
+    def precompute(task: Task, progress: Progress) -> None:
+        asked.append(task.scene)
+        work.do(task, progress)
+
+    makes = products.Products(there, precompute, lambda task: None)
+    for times in (1, 1):
+        makes(task, silent)
+        assert len(asked) == times
+        assert there.default.product(task.camera) is not None
+    makes.close()
