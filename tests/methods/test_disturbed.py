@@ -23,6 +23,7 @@ from store.full import Disk
 from engine.errors import StoreError
 from engine.methods import METHODS
 
+LARGE = 1 << 40  # bytes
 FEW = [pytest.param("direct_to_indirect", 2)]
 MANY = [pytest.param(method, 50, marks=pytest.mark.sweep) for method in METHODS]
 
@@ -105,9 +106,12 @@ def test_a_full_disk(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """It is full after some byte: a sentence, and with room again the same bytes."""
-    folder, expected = whole[method]
-    size = sum(path.stat().st_size for path in files(folder))
-    for k, room in enumerate(np.random.default_rng(2).uniform(0, 0.9 * size, times)):
+    _, expected = whole[method]
+    with monkeypatch.context() as patch:
+        disk = Disk(LARGE)
+        disk.install(patch)
+        made(method, tmp_path / "large")
+    for k, room in enumerate(np.random.default_rng(2).integers(0, LARGE - disk.room, times)):
         with monkeypatch.context() as patch:
             Disk(int(room)).install(patch)
             with pytest.raises(StoreError, match="No space left on device; RELIGHT_STORE"):
