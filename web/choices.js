@@ -40,12 +40,16 @@ export function drawChoices(box, options, chosen, choose) {
   if (held) buttons.find((button) => button.tabIndex === 0)?.focus({ preventScroll: true });
 }
 
-// What a person does with each method.
+// What a person does with each method, and where.
 const METHODS = {
-  direct_to_indirect: ["Lights", "lamps and environment; the camera stands still"],
-  glossy_prt: ["Camera and sky", "the view and the environment; no lamps"],
-  brdf_editing: ["Materials", "what things are made of, and the lamps; the camera stands still"],
-  wavelet_brdf: ["Measured", "measured materials, the view, the lamps; no light that bounces"],
+  direct_to_indirect: ["Lights", "lamps and environment; the camera stands still", "lights-part"],
+  glossy_prt: ["Camera and sky", "the view and the environment; no lamps", "environment-part"],
+  brdf_editing: [
+    "Materials", "what things are made of, and the lamps; the camera stands still", "editor-part",
+  ],
+  wavelet_brdf: [
+    "Measured", "measured materials, the view, the lamps; no light that bounces", "editor-part",
+  ],
 };
 
 export function drawMethods(box, { scene, method }, choose) {
@@ -53,6 +57,9 @@ export function drawMethods(box, { scene, method }, choose) {
     const [short, about] = METHODS[name] ?? [name, paper];
     return { value: name, name: short, about };
   });
-  drawChoices(box, options, method, choose);
+  drawChoices(box, options, method, (chosen) => {
+    choose(chosen);
+    document.getElementById(METHODS[chosen]?.[2])?.scrollIntoView({ block: "start" });
+  });
   for (const button of box.children) button.dataset.method = button.dataset.value;
 }
