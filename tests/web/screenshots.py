@@ -31,7 +31,7 @@ BITS = 8, 7, 6, 5, 4  # of a channel
 WAIT_MS = 1_800_000  # for a precompute
 SETTLED = """(method) => {
   const { dataset } = document.getElementById('canvas');
-  return dataset.state === 'final' && dataset.method === method;
+  return dataset.state === 'final' && dataset.method === method && dataset.preview !== 'true';
 }"""
 
 
