@@ -38,6 +38,7 @@ JOB = {
     "fraction": 0.42,
     "elapsed_seconds": 20.1,
     "eta_seconds": 27.7,
+    "preview": False,
     "problem": None,
 }
 SUMMARY = {

@@ -114,6 +114,7 @@ def test_rivals_on_a_small_box(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     assert any("penumbra" in known for known in spot["differences"])
 
 
+@pytest.mark.sweep
 def test_rivals_under_an_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """`glossy_prt` against Mitsuba, for turns of a map."""
     pytest.importorskip("mitsuba_oidn")

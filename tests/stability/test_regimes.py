@@ -23,7 +23,8 @@ SILENT = {"sun of four texels that grazes", "bumpy ground from afar", "small bri
 SLOW = {
     "glossy and coarse", "small bright patch", "tiny light and closed white room",
     "sun of four texels", "sun of four texels that grazes", "sharp gloss in four terms",
-    "occluders of a hundred vertices",
+    "occluders of a hundred vertices", "texture of roughness under a sky", "white pit",
+    "caustic of brushed metal",
 }  # fmt: skip
 QUICK = [regime for regime in REGIMES if regime.name not in SLOW]
 Measure = Callable[[Regime], Outcome]

@@ -80,6 +80,7 @@ def test_a_lobe_is_bent_by_hand(
 
         # Down by the mouse: the highlight goes, all other points stay.
         page.locator(".curve").scroll_into_view_if_needed()
+        point(page, 3).scroll_into_view_if_needed()
         x, y = middle(point(page, 3))
         page.mouse.move(x, y)
         page.mouse.down()

@@ -56,7 +56,7 @@ def test_as_close_to_the_truth_as_all_samples_in_every_pixel(tmp_path: Any) -> N
     seen = view(tmp_path)
     off = [{"id": light.id, "enabled": False} for light in seen.scene.lights]
     scene = apply(seen.scene, Edits(lights=[*off, LAMP.model_dump()]))
-    truth = render_direct(scene, samples=256).image.reshape(-1, 3)
+    truth = render_direct(scene, samples=128).image.reshape(-1, 3)
     quick = light_on_buffer(seen.scene.rays, seen.buffer, LAMP)
     full = quick.copy()
     inside = np.ones(len(full), np.bool_)

@@ -62,7 +62,7 @@ EDITS = [
 
 @pytest.mark.parametrize(
     ("environment", "number", "gain"),
-    [(None, 0, 0.4), (None, 3, 1), ("studio", 4, 1)],
+    [pytest.param(None, 0, 0.4, marks=pytest.mark.sweep), (None, 3, 1), ("studio", 4, 1)],
 )
 def test_gloss_seen_in_gloss_is_what_the_reference_sees(
     make: Make, environment: str | None, number: int, gain: float

@@ -46,7 +46,9 @@ def applied(product: Transfer, g: NDArray[np.float32]) -> NDArray[np.float32]:
     return haar.inverse(total)
 
 
-@pytest.mark.parametrize("name", LIGHTS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=() if n == "spot" else pytest.mark.sweep) for n in LIGHTS]
+)
 def test_bounces_agree_with_photons(box: Transfer, name: str) -> None:
     """M g of both, over the whole cloud, by 200,000 photons and the nearest 400.
 

@@ -211,7 +211,10 @@ def surfaces(product: Transfer) -> NDArray[np.bool_]:
 
 @pytest.mark.parametrize(
     ("fields", "most"),
-    [({"map": [1, 0.9, 0.8]}, 0.03), ({"map": CLEAR_SKY, "rotation_degrees": 200}, 0.03)],
+    [
+        pytest.param({"map": [1, 0.9, 0.8]}, 0.03, marks=pytest.mark.sweep),
+        ({"map": CLEAR_SKY, "rotation_degrees": 200}, 0.03),
+    ],
     ids=["even", "clear sky"],
 )
 def test_a_room_lit_through_its_window_agrees_with_the_reference(

@@ -211,7 +211,7 @@ def test_progress_runs_forward_through_named_phases(tmp_path: Path) -> None:
         progress=lambda phase, done, total: said.append((phase, done, total)),
     )
     phases = list(dict.fromkeys(phase for phase, _, _ in said))
-    assert phases == ["view samples", "gather cloud", "bounce", "final"]
+    assert phases == ["view samples", "gather cloud", "importance", "bounce", "final"]
     for phase in phases:
         steps = [done for name, done, _ in said if name == phase]
         total = next(total for name, _, total in said if name == phase)

@@ -193,7 +193,10 @@ def test_agrees_with_the_reference(make: Make) -> None:
     assert error < 0.08, f"{error:.3f} off beyond the reference's noise of {noise:.3f}"
 
 
-@pytest.mark.parametrize("roughness", [0.25, 0.5, 0.8])
+@pytest.mark.parametrize(
+    "roughness",
+    [pytest.param(0.25, marks=pytest.mark.sweep), 0.5, pytest.param(0.8, marks=pytest.mark.sweep)],
+)
 def test_a_glossy_floor_reflects_the_room(
     make: Make, monkeypatch: pytest.MonkeyPatch, roughness: float
 ) -> None:

@@ -148,7 +148,7 @@ def test_turning_the_sky_and_the_camera_together_changes_nothing(make: Make) -> 
 @pytest.mark.parametrize(
     ("body", "most"),
     [
-        (GREY, 0.03),
+        pytest.param(GREY, 0.03, marks=pytest.mark.sweep),
         ({"type": "phong", "diffuse": [0.3] * 3, "specular": [0.3] * 3, "exponent": 8}, 0.06),
     ],
     ids=["diffuse", "phong"],
@@ -181,7 +181,9 @@ def test_of_a_brushed_metal_in_hard_light_four_terms_are_not_enough(make: Make) 
     assert errors[2] < 0.09
 
 
-@pytest.mark.parametrize(("bounces", "last"), [(1, 2), (4, None)])
+@pytest.mark.parametrize(
+    ("bounces", "last"), [pytest.param(1, 2, marks=pytest.mark.sweep), (4, None)]
+)
 def test_bounces_agree_with_the_reference(make: Make, bounces: int, last: int | None) -> None:
     made = still_life(BRUSHED, ground=(0.8, 0.3, 0.2), size=32, segments=16)
     fields = {"bounces": bounces, "remaining": 0.0, "gather_texels": 32}
