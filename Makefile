@@ -17,7 +17,7 @@ GL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri
 TEST_PACKAGES := $(GL_PACKAGES) chromium libatomic1
 # Most of what is of the system as a whole; the other half, which takes as long, is of its parts.
 # In this order both seldom compile the same kernels at a time, nor does a service that a test starts.
-SYSTEM_TESTS := tests/measure tests/stability tests/cli tests/web
+SYSTEM_TESTS := tests/measure tests/stability tests/cli tests/reference tests/web
 PEER_PACKAGES := libllvm19 libatomic1
 
 .PHONY: serve test lint types pytest pytest-units pytest-system sweep test-packages bench rivals chart screenshots clean
@@ -38,6 +38,8 @@ types: .venv/.test
 	$(BIN)/mypy
 
 pytest: pytest-units pytest-system
+# Two of them share the cores.
+pytest-units pytest-system: export OPENBLAS_NUM_THREADS := 1
 
 pytest-units: .venv/.test test-packages
 	$(BIN)/pytest -m "not sweep" $(addprefix --ignore=,$(SYSTEM_TESTS))
@@ -91,5 +93,5 @@ clean:
 
 # Which holds the other three.
 .venv/.test: .venv/bin/python pyproject.toml
-	$(BIN)/pip install -q -e '.[test]'
+	$(BIN)/pip install -q --no-compile -e '.[test]'
 	@touch .venv/.run .venv/.chart .venv/.peers $@

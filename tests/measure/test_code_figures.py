@@ -25,6 +25,7 @@ def made(shoot: Shoot, figure: int) -> tuple[Sheet, list[dict[str, Any]]]:
     return sheet, sheet.document["pictures"]
 
 
+@pytest.mark.sweep
 def test_from_afar_levels_are_nearer_than_the_finest(shoot: Shoot) -> None:
     _, found = made(replace(shoot, thing=knot(120, 16)), 3)
     off = {p["detail"]: p["relative_l2"] for p in found if p["picture"] == "plastic, n = 200"}
@@ -45,6 +46,7 @@ def test_what_the_eye_cannot_tell(shoot: Shoot) -> None:
     assert abs(found[0]["light"] - 1) < 0.02
 
 
+@pytest.mark.sweep
 def test_a_terrain(shoot: Shoot, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("engine.measure.code_figures.SPEED", (32, 32))
     monkeypatch.setattr("engine.measure.code_figures.GRID", 2)

@@ -279,6 +279,7 @@ def test_it_comes_back_from_the_store_the_same(tmp_path: Path) -> None:
     assert (first == elsewhere.relight(Edits()).image).all()
 
 
+@pytest.mark.sweep
 def test_an_interrupted_precompute_goes_on(tmp_path: Path) -> None:
     made, store = still_life(BRUSHED, size=16, segments=24), Store(tmp_path)
     settings = Settings(**SMALL)  # type: ignore[arg-type]
