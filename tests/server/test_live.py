@@ -53,7 +53,16 @@ def gate() -> Gate:
 
 
 @pytest.fixture
-def address(tiny_scene: Path, gate: Gate, serving: Serving, quick: dict[str, int]) -> Iterator[str]:
+def address(
+    tiny_scene: Path,
+    gate: Gate,
+    serving: Serving,
+    quick: dict[str, int],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> Iterator[str]:
+    """With a store of its own: what another test has stored would not wait at the gate."""
+    monkeypatch.setenv("RELIGHT_STORE", str(tmp_path))
     app = create_app([str(tiny_scene)], precompute=gate, precompute_at_start=False, settings=quick)
     with serving(app) as address:
         yield address

@@ -103,12 +103,14 @@ def key(scene: Scene, settings: Settings, part: str) -> str:
 
 def _bounces(scene: Scene, settings: Settings, cloud: GatherCloud, progress: Progress) -> Work:
     progress("importance", 0, 1)
+    importance = wavelet_importance(scene, cloud, settings.seed)
+    progress("importance", 1, 1)
     job = gather_job(
         scene,
         cloud,
         cloud.points,
         tiles=run_tiles(len(cloud)),
-        importance=wavelet_importance(scene, cloud, settings.seed),
+        importance=importance,
         lobes=cosine_lobes(cloud.points.normal),
         count=settings.bounce_rays,
         link_size=1.0,

@@ -77,6 +77,7 @@ def precompute(
         if importance is None:
             progress("importance", 0, 1)
             importance = wavelet_importance(scene, cloud, settings.seed)
+            progress("importance", 1, 1)
         job = _job(name, settings, view, cloud, tiles, importance)
         parts = store.entry(key(scene, settings, name) + ".parts")
         made = run_chunks(partial(gather_chunk, job), job.chunks, name, parts, executor, progress)
