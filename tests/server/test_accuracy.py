@@ -77,7 +77,7 @@ def at(
 
 
 def ended(client: Client, job: dict[str, Any]) -> dict[str, Any]:
-    for _ in range(2000):
+    for _ in range(6000):  # kernels may have to be compiled
         state: dict[str, Any] = client.get(f"/api/jobs/{job['id']}").json()
         if state["status"] not in ("queued", "running"):
             return state

@@ -19,7 +19,7 @@ from fastapi import FastAPI
 
 from engine.errors import BackendError
 from engine.methods import prepare
-from engine.methods.base import Progress
+from engine.methods.base import Product, Progress
 from engine.scene.builtin import cornell_box
 from engine.scene.open import open_scene
 from server.app import create_app
@@ -115,13 +115,17 @@ def alternate(
     loaded: list[Task] = []
     memory: list[int] = []
 
-    def load(task: Task, progress: Progress) -> None:
-        loaded.append(task)
-        in_place(task, progress)
-
     app = create_app(
-        boxes, precompute=load, precompute_at_start=False, settings=quick, memory=bytes_of_all / 2
-    )
+        boxes, precompute=in_place, precompute_at_start=False, settings=quick,
+        memory=bytes_of_all / 2,
+    )  # fmt: skip
+    for stage in app.state.service.stages.stages.values():
+
+        def install(task: Task, product: Product, install: Any = stage.install) -> None:
+            loaded.append(task)
+            install(task, product)
+
+        stage.install = install
     wrong: list[tuple[int, int, str]] = []
 
     def work(address: str, k: int) -> None:
