@@ -15,6 +15,8 @@ from engine.methods import prepare
 from engine.methods.glossy_prt import Settings
 from engine.store import Store
 
+pytestmark = pytest.mark.sweep
+
 FIXED = {"light_texels": 16, "visibility_texels": 16, "gather_texels": 8, "brdf_texels": 16}
 CUTS = 8
 

@@ -74,6 +74,7 @@ def test_chunks_can_be_sent(method: str, tmp_path: Path, expected: dict[str, str
     assert elsewhere.chunks >= 1
 
 
+@pytest.mark.sweep
 def test_a_killed_worker_costs_its_chunk(
     two_workers: distributed.LocalCluster, tmp_path: Path, expected: dict[str, str]
 ) -> None:

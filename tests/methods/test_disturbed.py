@@ -75,7 +75,7 @@ class Child:
         return found
 
 
-@pytest.mark.parametrize(("method", "times"), [("direct_to_indirect", 1), *MANY])
+@pytest.mark.parametrize(("method", "times"), MANY)
 def test_killed(
     method: str, times: int, tmp_path: Path, whole: dict[str, tuple[Path, str]]
 ) -> None:

@@ -111,6 +111,7 @@ def test_same_bytes_whatever_the_threads(tmp_path: Path, expected: str, threads:
     assert done.stdout.split()[-1] == expected
 
 
+@pytest.mark.sweep
 def test_same_bytes_from_a_pool_of_processes(box: Scene, tmp_path: Path, expected: str) -> None:
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(2, context, mark_worker) as pool:
