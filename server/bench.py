@@ -66,7 +66,7 @@ def bench(scene: str, seconds: float, progress: Progress = silent) -> dict[str, 
 
 
 def _precompute(process: Process, progress: Progress) -> None:
-    (scene,) = [each["name"] for each in process.ask("/api/scenes") if each["default"]]
+    scene = _scene(process)
     job = process.ask(f"/api/scenes/{scene}/precompute", {})
     while job["status"] in ("queued", "running"):
         progress(job["phase"] or "precompute", job["fraction"], 1)
@@ -76,8 +76,14 @@ def _precompute(process: Process, progress: Progress) -> None:
         raise BackendError(f"the precompute of {scene} {job['status']}")
 
 
-def _target(process: Process) -> Target:
+def _scene(process: Process) -> str:
+    """What the service calls the scene that it was started with."""
     (name,) = [each["name"] for each in process.ask("/api/scenes") if each["default"]]
+    return str(name)
+
+
+def _target(process: Process) -> Target:
+    name = _scene(process)
     scene = process.ask(f"/api/scenes/{name}")
     placed = [light for light in scene["lights"] if light.get("position")]
     if not placed:
@@ -95,7 +101,7 @@ def _target(process: Process) -> Target:
 def _first_pixels(process: Process) -> dict[str, float]:
     """Seconds from the start of the process to its first frames."""
     listening = time.perf_counter() - process.started
-    (name,) = [each["name"] for each in process.ask("/api/scenes") if each["default"]]
+    name = _scene(process)
     url = f"{process.address.replace('http', 'ws', 1)}/api/scenes/{name}/live"
     first = None
     with connect(url, compression=None, max_size=None) as socket:

@@ -2,6 +2,9 @@
 
 At most MOST files come in at a time, and one of them is read at a time, since one may need much
 memory; who would have to wait longer is told to come back.
+
+What is kept of each is called by the digest of its bytes; beside it lies a note, DIGEST.json, of
+what people call it.
 """
 
 from __future__ import annotations
@@ -9,6 +12,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import hashlib
+import re
 import shutil
 import tempfile
 import time
@@ -16,6 +20,7 @@ from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 from typing import TypeVar
 
+from pydantic import BaseModel
 from starlette.requests import ClientDisconnect
 
 from engine.errors import Cancelled, InputError
@@ -23,10 +28,12 @@ from server.problems import Busy
 
 T = TypeVar("T")
 
+SENT = "upload:"  # begins the names of what was sent
 MOST = 4
 SECONDS = 600.0  # for a file to come in
 PREFIX = "new-"  # of rooms
 OLD_SECONDS = 24 * 3600.0
+_NAME = re.compile(rf"{SENT}([0-9a-f]{{32}})")
 
 
 class Intake:
@@ -75,6 +82,24 @@ async def _written(chunks: AsyncIterator[bytes], path: Path) -> str:
     except ClientDisconnect:
         raise Cancelled("the sender has left") from None
     return digest.hexdigest()
+
+
+def digest_of(name: str) -> str | None:
+    """The digest in the name of something that was sent; None for another name."""
+    found = _NAME.fullmatch(name)
+    return found[1] if found else None
+
+
+def keep_note(note: BaseModel, room: Path, folder: Path, digest: str) -> None:
+    """Write the note of what is kept; it is there whole or not at all."""
+    written = room / "note"
+    written.write_text(note.model_dump_json(), encoding="utf-8")
+    written.replace(folder / f"{digest}.json")
+
+
+def notes(folder: Path) -> list[Path]:
+    """Of all that is kept there, the newest first."""
+    return sorted(folder.glob("*.json"), key=lambda path: path.stat().st_mtime, reverse=True)
 
 
 def sweep(folder: Path) -> None:

@@ -8,7 +8,6 @@ when there are too many.
 from __future__ import annotations
 
 import contextlib
-import re
 from collections.abc import AsyncIterator
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
@@ -16,14 +15,13 @@ from engine.errors import EditError, InputError
 from engine.light.maps import BUILT_IN
 from engine.scene.edits import Edits
 from server.decode import decode
-from server.intake import Intake, sweep
+from server.intake import SENT, Intake, digest_of, keep_note, notes, sweep
 from server.stage import Stage
 from server.wire import MapSummary
 
 KEPT = 32
 LABEL = 80  # characters
 SIGNATURES = {b"\x76\x2f\x31\x01": ".exr", b"#?": ".hdr"}
-_NAME = re.compile(r"upload:([0-9a-f]{32})")
 
 
 class Uploads:
@@ -36,14 +34,14 @@ class Uploads:
 
     def path(self, name: str) -> Path | None:
         """Where the map of a name lies; None where there is none."""
-        found = _NAME.fullmatch(name)
-        path = self._folder / f"{found[1]}.exr" if found else None
+        digest = digest_of(name)
+        path = self._folder / f"{digest}.exr" if digest else None
         return path if path is not None and path.is_file() else None
 
     def all(self) -> list[MapSummary]:
         """The newest first."""
         found = []
-        for path in self._files():
+        for path in notes(self._folder):
             with contextlib.suppress(OSError, ValueError):
                 found.append(MapSummary.model_validate_json(path.read_text(encoding="utf-8")))
         return found
@@ -66,18 +64,13 @@ class Uploads:
         source = received.rename(received.with_suffix(kind))
         made = received.with_name("made.exr")
         width, height = decode(source, made)
-        summary = MapSummary(name=f"upload:{digest}", label=label, width=width, height=height)
+        summary = MapSummary(name=f"{SENT}{digest}", label=label, width=width, height=height)
         made.replace(self._folder / f"{digest}.exr")
-        note = received.with_name("note")
-        note.write_text(summary.model_dump_json(), encoding="utf-8")
-        note.replace(self._folder / f"{digest}.json")
-        for old in self._files()[KEPT:]:
+        keep_note(summary, received.parent, self._folder, digest)
+        for old in notes(self._folder)[KEPT:]:
             old.unlink(missing_ok=True)
             old.with_suffix(".exr").unlink(missing_ok=True)
         return summary
-
-    def _files(self) -> list[Path]:
-        return sorted(self._folder.glob("*.json"), key=lambda p: p.stat().st_mtime, reverse=True)
 
 
 def located(edits: Edits, stage: Stage, uploads: Uploads) -> Edits:

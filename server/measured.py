@@ -18,13 +18,12 @@ from engine.brdf.measured import BUILT_IN, Measured
 from engine.errors import EditError, InputError
 from engine.scene.edits import Edits
 from server.acquire import acquire
-from server.intake import Intake, sweep
+from server.intake import SENT, Intake, digest_of, keep_note, notes, sweep
 from server.maps import label_of
 from server.stage import MEASURED_FILES, Stage
 from server.wire import MeasuredSent, MeasuredSummary
 
 KEPT = 64
-_NAME = re.compile(r"upload:([0-9a-f]{32})")
 
 
 class Samples:
@@ -37,19 +36,19 @@ class Samples:
 
     def path(self, name: str) -> Path | None:
         """Where the file of a name lies; None where there is none."""
-        found = _NAME.fullmatch(name)
-        files = list((self._folder / found[1]).glob("*")) if found else []
+        digest = digest_of(name)
+        files = list((self._folder / digest).glob("*")) if digest else []
         return files[0] if files else None
 
     def name_of(self, file: str) -> str:
         """What edits call a file; one that was not sent is called as it is."""
         folder = Path(file).parent
-        return f"upload:{folder.name}" if folder.parent == self._folder else file
+        return f"{SENT}{folder.name}" if folder.parent == self._folder else file
 
     def all(self) -> list[MeasuredSummary]:
         """The newest first."""
         found = []
-        for note in self._notes():
+        for note in notes(self._folder):
             with contextlib.suppress(OSError, ValueError):
                 text = note.read_text(encoding="utf-8")
                 found.append(MeasuredSummary.model_validate_json(text))
@@ -76,21 +75,16 @@ class Samples:
 
     def _take(self, received: Path, digest: str, label: str) -> MeasuredSent:
         said = acquire(received)
-        summary = MeasuredSummary(name=f"upload:{digest}", label=label, kind="upload")
+        summary = MeasuredSummary(name=f"{SENT}{digest}", label=label, kind="upload")
         place = self._folder / digest
         if self.path(summary.name) is None:
             place.mkdir(exist_ok=True)
             received.replace(place / received.name)
-        note = received.with_name("note")
-        note.write_text(summary.model_dump_json(), encoding="utf-8")
-        note.replace(self._folder / f"{digest}.json")
-        for old in self._notes()[KEPT:]:
+        keep_note(summary, received.parent, self._folder, digest)
+        for old in notes(self._folder)[KEPT:]:
             old.unlink(missing_ok=True)
             shutil.rmtree(old.with_suffix(""), ignore_errors=True)
         return MeasuredSent(material=summary, diagnoses=said)
-
-    def _notes(self) -> list[Path]:
-        return sorted(self._folder.glob("*.json"), key=lambda p: p.stat().st_mtime, reverse=True)
 
 
 def stem_of(label: str) -> str:

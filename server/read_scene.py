@@ -14,6 +14,7 @@ from typing import Any
 
 from engine.errors import InputError
 from server.apart import read_apart, report_from
+from server.decode import MAX_PIXELS
 from server.unpack import SHOWN, unpack
 
 MESHES = (".gltf", ".glb", ".obj", ".ply", ".stl")
@@ -21,7 +22,6 @@ KINDS = (".zip", *MESHES)
 DESCRIPTION = "scene.json"
 MAX_TRIANGLES = 4_000_000
 MAX_TEXELS = 1 << 26
-MAX_MAP_PIXELS = 1 << 24
 
 
 def read_scene(source: Path, folder: Path) -> Path:
@@ -105,8 +105,8 @@ def _check_opened(path: Path) -> None:
         raise InputError(f"it has {triangles:,} triangles; {MAX_TRIANGLES:,} are the most here")
     if texels > MAX_TEXELS:
         raise InputError(f"its textures have {texels:,} texels; {MAX_TEXELS:,} are the most here")
-    if scene.environment is not None and scene.environment.radiance.size > 3 * MAX_MAP_PIXELS:
-        raise InputError(f"its map has more than {MAX_MAP_PIXELS >> 20} million pixels")
+    if scene.environment is not None and scene.environment.radiance.size > 3 * MAX_PIXELS:
+        raise InputError(f"its map has more than {MAX_PIXELS >> 20} million pixels")
 
 
 if __name__ == "__main__":

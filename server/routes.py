@@ -42,10 +42,8 @@ from server.worker import Order
 HEARTBEAT_SECONDS = 15.0
 SETTINGS = TypeAdapter(dict[str, Any])
 
-PROBLEMS: dict[int | str, dict[str, Any]] = {
-    status: {"model": Problem, "content": {"application/problem+json": {}}}
-    for status in (404, 422, 429, 503)
-}
+PROBLEM: dict[str, Any] = {"model": Problem, "content": {"application/problem+json": {}}}
+PROBLEMS: dict[int | str, dict[str, Any]] = dict.fromkeys((404, 422, 429, 503), PROBLEM)
 router = APIRouter(responses=PROBLEMS)
 
 

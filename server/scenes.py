@@ -8,7 +8,6 @@ of the bytes, and it is a scene like others. The oldest go when there are too ma
 from __future__ import annotations
 
 import contextlib
-import re
 import shutil
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
@@ -16,17 +15,16 @@ from pathlib import Path
 from pydantic import BaseModel, ValidationError
 
 from engine.errors import InputError
-from server.intake import Intake, sweep
+from server.intake import SENT, Intake, digest_of, keep_note, notes, sweep
 from server.maps import label_of
 from server.measured import stem_of
 from server.problems import Forbidden, UnknownKind
 from server.read_scene import KINDS, read_scene
-from server.stage import SENT, Stage
+from server.stage import Stage
 from server.stages import Stages
 
 KEPT = 16
 MAX_BYTES = 4 << 30  # of all that are kept
-_NAME = re.compile(rf"{SENT}([0-9a-f]{{32}})")
 
 
 class Note(BaseModel):
@@ -45,7 +43,7 @@ class SentScenes:
         """Nothing is created before the first scene. `left` hears the names of those that go."""
         self._folder, self._stages, self._intake, self._left = folder, stages, intake, left
         sweep(folder)
-        for note in reversed(self._notes()):
+        for note in reversed(notes(self._folder)):
             with contextlib.suppress(OSError, ValidationError):
                 kept = Note.model_validate_json(note.read_text(encoding="utf-8"))
                 self._join(note.stem, kept)
@@ -72,10 +70,10 @@ class SentScenes:
     async def remove(self, name: str) -> None:
         """Forget a scene that was sent. Raises NotFound, and Forbidden for any other scene."""
         self._stages.get(name)
-        found = _NAME.fullmatch(name)
-        if found is None:
+        digest = digest_of(name)
+        if digest is None:
             raise Forbidden("only scenes that were sent can be removed")
-        await self._intake.read(lambda: self._drop(self._folder / f"{found[1]}.json"))
+        await self._intake.read(lambda: self._drop(self._folder / f"{digest}.json"))
 
     def _take(self, received: Path, digest: str, label: str) -> Note:
         place = self._folder / digest
@@ -91,9 +89,7 @@ class SentScenes:
         note = Note(label=label, scene=str(read_scene(received, files)))
         shutil.rmtree(place, ignore_errors=True)
         files.rename(place)
-        written = received.with_name("note")
-        written.write_text(note.model_dump_json(), encoding="utf-8")
-        written.replace(known)
+        keep_note(note, received.parent, self._folder, digest)
         return note
 
     def _join(self, digest: str, note: Note) -> Stage:
@@ -102,7 +98,7 @@ class SentScenes:
 
     def _let_go_of_the_oldest(self) -> None:
         taken = 0
-        for count, note in enumerate(self._notes()):
+        for count, note in enumerate(notes(self._folder)):
             folder = note.with_suffix("")
             taken += sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
             # The newest stays in any case.
@@ -115,7 +111,3 @@ class SentScenes:
         self._left(name)
         note.unlink(missing_ok=True)
         shutil.rmtree(note.with_suffix(""), ignore_errors=True)
-
-    def _notes(self) -> list[Path]:
-        """The newest first."""
-        return sorted(self._folder.glob("*.json"), key=lambda p: p.stat().st_mtime, reverse=True)

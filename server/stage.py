@@ -25,6 +25,7 @@ from engine.scene.camera import Camera
 from engine.scene.edits import Edits, apply, edited_camera
 from engine.scene.open import open_scene, scenes
 from engine.scene.scene import Scene
+from server.intake import SENT
 from server.precompute import Key, Materials, Task, key_of, settings_of
 from server.shelf import Recent, Shelf, Shelved
 
@@ -32,7 +33,6 @@ METHOD = "direct_to_indirect"
 QUICK = "preview"  # in the name of a quick version on the shelf
 MAP_FILES, MEASURED_FILES = {".hdr", ".exr"}, {".brdf", ".binary", ".csv"}
 MOST_FILES = 100
-SENT = "upload:"  # begins the names of scenes that were sent
 CAMERA = frozenset({"camera"})
 HELD = CAMERA | {"materials"}  # what products may be made for
 

@@ -9,8 +9,9 @@ from pathlib import Path
 
 from engine.errors import NotFound
 from engine.scene.open import scenes
+from server.intake import SENT
 from server.shelf import Shelf
-from server.stage import SENT, Direct, Stage
+from server.stage import Direct, Stage
 
 MEMORY = 4e9  # bytes of products
 KEPT_DIRECT = 8  # views in direct light, of all scenes together

@@ -10,21 +10,20 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Request, Response
 
 from server.details import scene_summary
-from server.routes import PROBLEMS, service_of
-from server.wire import MapSummary, MeasuredSent, Problem, SceneSummary
+from server.routes import PROBLEM, PROBLEMS, service_of
+from server.wire import MapSummary, MeasuredSent, SceneSummary
 
 FileName = Annotated[str, Query(max_length=256, description="of the file")]
 
-_PROBLEM = {"model": Problem, "content": {"application/problem+json": {}}}
-_BUSY = {**_PROBLEM, "headers": {"Retry-After": {"schema": {"type": "integer"}}}}
-_REFUSED: dict[int | str, dict[str, Any]] = {**PROBLEMS, 413: _PROBLEM, 503: _BUSY}
+_BUSY = {**PROBLEM, "headers": {"Retry-After": {"schema": {"type": "integer"}}}}
+_REFUSED: dict[int | str, dict[str, Any]] = {**PROBLEMS, 413: PROBLEM, 503: _BUSY}
 _FILE = {"schema": {"type": "string", "format": "binary"}}
 _BODY = {"requestBody": {"required": True, "content": {"application/octet-stream": _FILE}}}
 
 router = APIRouter(responses=_REFUSED)
 
 
-@router.post("/api/scenes", status_code=201, responses={415: _PROBLEM}, openapi_extra=_BODY)
+@router.post("/api/scenes", status_code=201, responses={415: PROBLEM}, openapi_extra=_BODY)
 async def send_scene(request: Request, response: Response, name: FileName = "") -> SceneSummary:
     """Keep a scene: the bytes of a .glb, .gltf, .obj, .ply, .stl or .zip file, as they are.
 
@@ -37,7 +36,7 @@ async def send_scene(request: Request, response: Response, name: FileName = "") 
     return scene_summary(stage, service.stages)
 
 
-@router.delete("/api/scenes/{scene}", status_code=204, responses={403: _PROBLEM})
+@router.delete("/api/scenes/{scene}", status_code=204, responses={403: PROBLEM})
 async def remove_scene(request: Request, scene: str) -> None:
     """Forget a scene that was sent, and stop the jobs that are at it."""
     await service_of(request).sent.remove(scene)

@@ -22,8 +22,7 @@ from engine.images import encode_exr
 CORNERS = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
 FACES = np.array([[0, 1, 2], [0, 2, 3]], np.uint16)
 LIGHTS = {"lights": [{"type": "spot", "intensity": 100.0, "spot": {"outerConeAngle": 0.5}}]}
-OBJ = """\
-mtllib quad.mtl
+QUAD = """\
 v -1 -1 0
 v 1 -1 0
 v 1 1 0
@@ -32,7 +31,10 @@ vt 0 0
 vt 1 0
 vt 1 1
 vt 0 1
-vn 0 0 1
+"""
+OBJ = f"""\
+mtllib quad.mtl
+{QUAD}vn 0 0 1
 usemtl shiny
 f 1/1/1 2/2/1 3/3/1
 f 1/1/1 3/3/1 4/4/1

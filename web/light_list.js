@@ -3,6 +3,7 @@
 
 import { toHex } from "./colour.js";
 import { element } from "./fields.js";
+import { path, SVG } from "./glyphs.js";
 
 const MANY = 8; // from so many on there is a filter
 const LOCK = "M4 7V5a4 4 0 0 1 8 0v2M3 7h10v7H3z";
@@ -77,8 +78,8 @@ export class LightList {
     name.setAttribute("aria-pressed", String(selected));
     lock.setAttribute("aria-pressed", String(Boolean(light.locked)));
     const shape = light.locked ? LOCK : OPEN;
-    const path = lock.querySelector("path");
-    if (path.getAttribute("d") !== shape) path.setAttribute("d", shape);
+    const drawn = lock.querySelector("path");
+    if (drawn.getAttribute("d") !== shape) drawn.setAttribute("d", shape);
     for (const control of [on, name, lock]) control.tabIndex = entry ? 0 : -1;
   }
 
@@ -144,9 +145,9 @@ export class LightList {
 }
 
 function icon() {
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  const svg = document.createElementNS(SVG, "svg");
   svg.setAttribute("viewBox", "0 0 16 16");
   svg.setAttribute("aria-hidden", "true");
-  svg.append(document.createElementNS(svg.namespaceURI, "path"));
+  svg.append(path(OPEN));
   return svg;
 }

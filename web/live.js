@@ -19,16 +19,17 @@ export class Live {
   constructor(scene, handlers) {
     const told = (name) => (...what) => this.#closed || handlers[name](...what);
     const [job, problem, connected] = ["job", "problem", "connected"].map(told);
+    const frame = (header, blob) => this.#frame(header, blob);
     this.handlers = handlers;
     this.requests = new Polling(scene, {
-      frame: (header, blob) => this.#frame(header, blob),
+      frame,
       job,
       problem,
       up: () => this.#polled(true, connected),
       down: () => this.#polled(false, connected),
     });
     this.socket = new LiveSocket(scene, {
-      frame: (header, blob) => this.#frame(header, blob),
+      frame,
       message: (message) => {
         if (message.type === "job") job(message.job);
         if (message.type === "problem") problem(message.problem, message.seq);

@@ -12,8 +12,8 @@ export class LiveSocket {
   #timer = null;
   #closed = false;
 
-  // handlers: up(), down(failures, rarely) where it has failed so often in a row, frame(header,
-  // blob), message(message), gone() where there is no such scene.
+  // handlers: up(), down(failures) where it has failed so often in a row, frame(header, blob),
+  // message(message)
   constructor(scene, handlers) {
     this.handlers = handlers;
     this.url = new URL(`api/scenes/${encodeURIComponent(scene)}/live`, location.href);

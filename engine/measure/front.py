@@ -147,7 +147,7 @@ class _Bench:
 
     def clear(self) -> None:
         """Remove what the pilots have left."""
-        shutil.rmtree(self._scratch.root, ignore_errors=True)
+        self._scratch.remove()
 
     def _report(self, phase: str, done: float, total: float) -> None:
         """Of all that pilots tell, how many references or points are done."""

@@ -42,8 +42,8 @@ PREVIEWS: dict[str, dict[str, Any]] = {
 }
 """Per method the most that a preview has of settings.
 
-Of those of a fixed view: `wavelet_brdf` draws direct light without its codes, and what `glossy_prt`
-does for every vertex takes long with any settings.
+Of those of a fixed view: `wavelet_brdf` draws direct light without its codes, and for `glossy_prt`
+none were found yet that are quick.
 """
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from hostile import QUAD
 from PIL import Image
 
 from engine.brdf.blinn_phong import BlinnPhong
@@ -24,16 +25,6 @@ from engine.scene.textures import MAX_SIDE, read_image
 
 # A 2 x 2 image as a person sees it: red and green above, blue and white below.
 SEEN = np.array([[[255, 0, 0], [0, 255, 0]], [[0, 0, 255], [255, 255, 255]]], np.uint8)
-QUAD = """\
-v -1 -1 0
-v 1 -1 0
-v 1 1 0
-v -1 1 0
-vt 0 0
-vt 1 0
-vt 1 1
-vt 0 1
-"""
 
 
 def codes(scene: Scene) -> list[str]:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
 
 import httpx
 import pytest
-import uvicorn
+import running
 from fastapi import FastAPI
 
 from engine.errors import BackendError
@@ -20,7 +17,6 @@ from engine.methods.base import Progress
 from engine.methods.warm import compile_kernels
 from engine.scene.builtin import cornell_box
 from server.app import create_app
-from server.main import configure, listen
 from server.precompute import Task
 
 WIDTH, HEIGHT = 24, 18
@@ -52,24 +48,6 @@ def tiny_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@contextlib.contextmanager
-def _serving(app: FastAPI) -> Iterator[str]:
-    """The app on a free port of this machine, as `serve` runs it; its address."""
-    listener = listen("127.0.0.1", 0)
-    server = uvicorn.Server(configure(app))
-    thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
-    thread.start()
-    while not server.started:
-        assert thread.is_alive(), "the service did not start"
-        time.sleep(0.01)
-    try:
-        yield f"http://127.0.0.1:{listener.getsockname()[1]}"
-    finally:
-        server.should_exit = True
-        thread.join()
-        listener.close()
-
-
 @pytest.fixture(scope="session")
 def quick() -> dict[str, int]:
     """Settings with which the tiny scene is precomputed in no time."""
@@ -79,7 +57,7 @@ def quick() -> dict[str, int]:
 @pytest.fixture(scope="session")
 def serving() -> Callable[[FastAPI], AbstractContextManager[str]]:
     """`with serving(app) as address`."""
-    return _serving
+    return running.serving
 
 
 def nothing(task: Task, progress: Progress) -> None:
@@ -91,5 +69,5 @@ def nothing(task: Task, progress: Progress) -> None:
 def client(tiny_scene: Path) -> Iterator[httpx.Client]:
     """HTTP, direct light only."""
     app = create_app([str(tiny_scene)], precompute=nothing, precompute_at_start=False)
-    with _serving(app) as address, httpx.Client(base_url=address, timeout=60) as client:
+    with running.serving(app) as address, httpx.Client(base_url=address, timeout=60) as client:
         yield client

@@ -169,7 +169,7 @@ def test_a_zip_may_have_a_folder_and_litter(tmp_path: Path) -> None:
 def test_what_is_too_much_for_a_service(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     source = tmp_path / "scene.zip"
     source.write_bytes(scene())
-    limits = {"MAX_TRIANGLES": "2 triangles", "MAX_TEXELS": "4 texels", "MAX_MAP_PIXELS": "its map"}
+    limits = {"MAX_TRIANGLES": "2 triangles", "MAX_TEXELS": "4 texels", "MAX_PIXELS": "its map"}
     for limit, words in limits.items():
         folder = tmp_path / limit
         folder.mkdir()

@@ -7,20 +7,18 @@ import contextlib
 import json
 import threading
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-import uvicorn
 from playwright.sync_api import Browser, Page
+from running import serving
 from starlette.types import ASGIApp, Receive, Scope, Send
 from web.test_page import INDIRECT, drag, light, settled
 
 from engine.methods.base import Progress
 from engine.scene.builtin import cornell_box
 from server.app import create_app
-from server.main import configure, listen
 from server.precompute import Task
 
 pytestmark = pytest.mark.web
@@ -82,20 +80,6 @@ class Gate:
         while not self.open.is_set():
             progress("final", 1, 4)
             time.sleep(0.02)
-
-
-@contextlib.contextmanager
-def serving(app: ASGIApp) -> Iterator[str]:
-    listener = listen("127.0.0.1", 0)
-    server = uvicorn.Server(configure(app))
-    thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
-    thread.start()
-    try:
-        yield f"http://127.0.0.1:{listener.getsockname()[1]}/"
-    finally:
-        server.should_exit = True
-        thread.join()
-        listener.close()
 
 
 @pytest.fixture
