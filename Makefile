@@ -16,8 +16,11 @@ GL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri
 # A browser for the page, and a library that Mitsuba's wheels take for granted.
 TEST_PACKAGES := $(GL_PACKAGES) chromium libatomic1
 # Most of what is of the system as a whole; the other half, which takes as long, is of its parts.
-# In this order both seldom compile the same kernels at a time, nor does a service that a test starts.
-SYSTEM_TESTS := tests/measure tests/stability tests/cli tests/reference tests/web
+# In this order both seldom compile the same kernels at a time, nor does a service that a test starts:
+# the path tracer's here, those of the methods there.
+SYSTEM_TESTS := tests/analytic tests/measure tests/stability tests/cli tests/reference tests/web
+UNIT_TESTS := tests/methods $(filter-out tests/methods tests/__pycache__ $(SYSTEM_TESTS), \
+  $(patsubst %/,%,$(wildcard tests/*/)) $(wildcard tests/test_*.py))
 PEER_PACKAGES := libllvm19 libatomic1
 
 .PHONY: serve test lint types pytest pytest-units pytest-system sweep test-packages bench rivals chart screenshots clean
@@ -42,13 +45,13 @@ pytest: pytest-units pytest-system
 pytest-units pytest-system: export OPENBLAS_NUM_THREADS := 1
 
 pytest-units: .venv/.test test-packages
-	$(BIN)/pytest -m "not sweep" $(addprefix --ignore=,$(SYSTEM_TESTS))
+	$(BIN)/pytest -m "not sweep" $(UNIT_TESTS)
 
 pytest-system: .venv/.test test-packages
 	$(BIN)/pytest -m "not sweep" $(SYSTEM_TESTS)
 
 sweep: .venv/.test test-packages
-	$(BIN)/pytest -m sweep
+	$(BIN)/pytest -m sweep --timeout 14400
 
 test-packages:
 	@.ci/system-packages $(TEST_PACKAGES)

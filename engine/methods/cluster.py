@@ -8,6 +8,7 @@ here. They need the same sources, and run each chunk as a thread of a local pool
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import pickle
 from collections.abc import Callable, Iterator
@@ -58,6 +59,7 @@ def cluster(address: str) -> Iterator[Executor]:
     in place of what Dask raises, where the cluster is lost in the middle.
     """
     try:
+        asyncio.run(_knock(address))
         client = distributed.Client(address, timeout=SECONDS, set_as_default=False)
     except (OSError, ValueError) as error:
         raise InputError(
@@ -85,6 +87,16 @@ def cluster(address: str) -> Iterator[Executor]:
             raise RelightError(
                 f"a worker at {address!r} has no {error.name}; install Relight there too"
             ) from error
+
+
+async def _knock(address: str) -> None:
+    """Raise what a client would that finds nobody.
+
+    That client would stay: its thread goes on, and it waits for other clients' locks when Python
+    clears it away, in whatever thread does so, which can be the one that holds up those locks.
+    """
+    comm = await distributed.comm.connect(address, timeout=SECONDS)
+    await comm.close()
 
 
 def _run(work: Callable[..., Any], digest: str, *args: Any, **kwargs: Any) -> Any:

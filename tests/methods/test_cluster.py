@@ -6,6 +6,7 @@ import os
 import pickle
 import signal
 import sys
+import threading
 from collections.abc import Iterator
 from concurrent.futures import Executor, Future
 from functools import partial
@@ -122,6 +123,7 @@ def test_other_sources_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_nobody_answers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "SECONDS", 0.5)
+    threads = set(threading.enumerate())
     for address in ("tcp://127.0.0.1:9", "nonsense://x", "127.0.0.1:none"):
         with (
             pytest.raises(InputError, match="no Dask scheduler answers") as caught,
@@ -129,6 +131,8 @@ def test_nobody_answers(monkeypatch: pytest.MonkeyPatch) -> None:
         ):
             pass
         assert caught.value.field == "scheduler"
+    # A client that is left behind hangs what comes after it, now and then.
+    assert set(threading.enumerate()) <= threads
 
 
 def test_nobody_works(monkeypatch: pytest.MonkeyPatch) -> None:
