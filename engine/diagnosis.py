@@ -73,6 +73,7 @@ VOCABULARY: dict[str, Meaning] = {
         drawn_by_formula=("a material with textures has no code", NOTHING),
         environment_left_out=("the environment does not shine", "glossy_prt, direct_to_indirect"),
         environment_too_sharp=("much light comes from a spot of the sky", "a light of type `sun`"),
+        facets_within_pixels=("a pixel shows one facet of many", "`detail` footprint, more pixels"),
         gloss_seen_as_matt=("gloss seen in gloss looks matt", "more `second_bands`"),
         indirect_left_out=("light that bounces is left out", "direct_to_indirect"),
         lamp_seen_as_points=("a mirrored lamp shows the points it is taken as", "the reference"),

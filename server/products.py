@@ -12,7 +12,7 @@ from collections.abc import Callable, Set
 from concurrent.futures import ThreadPoolExecutor, wait
 
 from engine.errors import Cancelled, RelightError
-from engine.measure.previews import preview_settings
+from engine.measure.previews import halved, preview_settings
 from engine.methods import prepare
 from engine.methods.base import Product, Progress
 from engine.scene.scene import Scene
@@ -104,7 +104,7 @@ class Products:
             scene = _seen(stage, task)
             whole = settings_of(task.method, task.settings)
             quick = preview_settings(scene, task.method, whole)
-            product = prepare(scene, task.method, quick, store=store)
+            product = prepare(halved(scene), task.method, quick, store=store)
         except (RelightError, MemoryError) as error:
             log.warning("no preview of %s: %s", task.scene, error)
             return

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from engine.diagnosis import Diagnosis
 from engine.errors import EditNotSupported, NotFound
-from engine.measure.previews import SHOWN
+from engine.measure.previews import SHOWN, doubled
 from engine.methods import METHODS
 from engine.methods.base import EDITS, Frame, Product
 from engine.methods.fixed_view.preview import DirectPreview
@@ -45,8 +45,9 @@ class View(NamedTuple):
     """What draws a frame: `scale` is left for it to apply; `method` names it to the user.
 
     `made_for` are the keys of the edits that it was made for, and takes none of; `notices` what to
-    say of it in every frame. Direct light for a method that takes edits of materials is that on the
-    scene's own, unless it has lamps alone.
+    say of it in every frame; `size` (width, height) of the picture where the renderer draws it half
+    as wide. Direct light for a method that takes edits of materials is that on the scene's own,
+    unless it has lamps alone.
     """
 
     renderer: Product | DirectPreview
@@ -54,12 +55,14 @@ class View(NamedTuple):
     method: str
     made_for: frozenset[str]
     notices: tuple[Diagnosis, ...] = ()
+    size: tuple[int, int] | None = None
 
     def relight(self, edits: Edits) -> Frame:
         """The frame under the edits."""
         rest = edits.model_copy(update=dict.fromkeys(self.made_for))
         frame = self.renderer.relight(rest, self.scale)
-        return replace(frame, warnings=(*self.notices, *frame.warnings))
+        image = frame.image if self.size is None else doubled(frame.image, *self.size)
+        return replace(frame, image=image, warnings=(*self.notices, *frame.warnings))
 
 
 class Stage:
@@ -172,15 +175,17 @@ class Stage:
         or for settings that are not taken any more.
         """
         name = (self.name, _key(camera, method, materials))
-        shelved = self._shelf.use(name)
-        notices: tuple[Diagnosis, ...] = ()
-        if shelved is None:
-            shelved, notices = self._shelf.use((*name, QUICK)), (SHOWN,)
         if settings:
             _require_run_time(method, settings)
+        shelved = self._shelf.use(name)
         if shelved is not None:
             product = _retuned(shelved, method, settings or {})
-            return View(product, scale, product.method, HELD - EDITS[method], notices)
+            return View(product, scale, product.method, HELD - EDITS[method])
+        shelved = self._shelf.use((*name, QUICK))
+        if shelved is not None:
+            product = _retuned(shelved, method, settings or {})
+            size = (camera.width, camera.height) if scale == 1 else None
+            return View(product, 1, product.method, HELD - EDITS[method], (SHOWN,), size)
         if materials and "materials" not in EDITS[method]:
             raise EditNotSupported(
                 f"{method} holds materials fixed: have it precomputed with these first",

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from engine.measure.front import front
-from engine.measure.previews import preview_settings
+from engine.measure.previews import halved, preview_settings
 from engine.measure.truth import truth
 from engine.methods import prepare
 from engine.methods.base import Progress
@@ -42,7 +42,7 @@ def _preview(task: Task, scene: Scene, settings: Any, progress: Progress) -> Non
     def told(phase: str, done: float, total: float) -> None:
         progress(PREVIEW + phase, done, total)
 
-    prepare(scene, task.method, settings, told, store=preview_store(task))
+    prepare(halved(scene), task.method, settings, told, store=preview_store(task))
     progress(PREVIEW_READY, 1, 1)
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
+import numpy as np
 import pytest
 
-from engine.measure.previews import PREVIEWS, preview_settings
+from engine.measure.previews import PREVIEWS, doubled, halved, preview_settings
 from engine.methods import METHODS
 from engine.scene.open import open_scene
 from engine.scene.scene import Scene
@@ -53,3 +54,20 @@ def test_what_the_user_has_lower_stays(box: Scene) -> None:
 def test_methods_without_one(box: Scene) -> None:
     for method in METHODS.keys() - PREVIEWS.keys():
         assert preview_settings(box, method, METHODS[method].settings()) is None
+
+
+@pytest.mark.parametrize(("width", "height"), [(7, 4), (1, 1), (2, 5)])
+def test_half_a_picture_and_back(box: Scene, width: int, height: int) -> None:
+    """What is even stays even, a ramp a ramp but at the rim; pixels stay where they are."""
+    odd = box.with_camera(box.camera.model_copy(update={"width": width, "height": height}))
+    camera = halved(odd).camera
+    half = (camera.height, camera.width)
+    assert half == ((height + 1) // 2, (width + 1) // 2)
+    even = doubled(np.full((*half, 3), 2, np.float32), width, height)
+    assert even.shape == (height, width, 3)
+    assert even.dtype == np.float32
+    assert (even == 2).all()
+    ramp = np.arange(half[1], dtype=np.float32)[None, :, None] + np.zeros((*half, 3), np.float32)
+    inner = doubled(ramp, width, height)[:, 1 : 2 * half[1] - 1]
+    centres = (np.arange(width)[1 : 2 * half[1] - 1] + 0.5) / 2 - 0.5
+    np.testing.assert_allclose(inner, np.broadcast_to(centres[:, None], inner.shape), atol=1e-6)

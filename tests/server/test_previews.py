@@ -101,6 +101,7 @@ def test_the_preview_comes_first_and_goes_when_the_whole_is_there(
     until(lambda: "preview_shown" in drawn(client)[1])
     header, _, early = drawn(client)
     assert header["method"] == "direct_to_indirect"
+    size = header["width"], header["height"]
     job = client.get(f"/api/jobs/{header['job']}").json()
     assert (job["status"], job["preview"]) == ("running", True)
     assert not is_ready(client)
@@ -111,6 +112,7 @@ def test_the_preview_comes_first_and_goes_when_the_whole_is_there(
     header, codes, whole = drawn(client)
     assert "preview_shown" not in codes
     assert whole != early
+    assert (header["width"], header["height"]) == size
     assert is_ready(client)
 
 

@@ -18,7 +18,7 @@ from engine.store import Store
 
 SIDE = 32
 # What no warning knows of yet.
-SILENT = {"sun of four texels that grazes", "bumpy ground from afar", "small bright patch"}
+SILENT = {"sun of four texels that grazes", "small bright patch"}
 # Of these `make sweep` alone takes care, for they take long.
 SLOW = {
     "glossy and coarse", "small bright patch", "tiny light and closed white room",

@@ -153,6 +153,7 @@ GEOMETRY = (
         "Facets smaller than pixels show the finest level of detail, one facet for a pixel.",
         of(terrain, phong(40)),
         1.2,
+        codes=("facets_within_pixels",),
         mend=Mend("detail footprint", {"detail": "footprint"}),
     ),
 )

@@ -19,6 +19,7 @@ from engine.scene.scene import Scene
 OFF = 0.05  # mean relative error of a code: less is not worth a warning
 MISPLACED = 0.1  # part of the light
 LOST = 0.02  # the same
+SCATTERED = 0.03  # of a picture, relative L2
 
 
 def fits_of(scene: Scene, codes: Codes, used: Sequence[int]) -> tuple[MaterialFit, ...]:
@@ -76,6 +77,18 @@ def said_of(
                 f"{name!r} has textures of what its formula is made of, so it is drawn by that, at "
                 "the finest detail: highlights may sparkle from afar.",
             )
+
+
+def said_of_facets(scattered: float) -> Iterator[Diagnosis]:
+    """What a picture comes with that is so far off by pixels that show one facet of many."""
+    if scattered > SCATTERED:
+        yield Diagnosis(
+            "facets_within_pixels",
+            "Facets are smaller than pixels, and each pixel shows one of them: for that the "
+            f"picture is about {scattered:.0%} off, and glitters when the view moves. Come nearer, draw "
+            "more pixels, or set detail to footprint.",
+            scattered,
+        )
 
 
 def _narrow(name: str, sharp: Sharpness) -> Diagnosis:

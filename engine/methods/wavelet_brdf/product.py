@@ -28,7 +28,8 @@ from engine.methods.fixed_view.view import View
 from engine.methods.light_shares import light_shares
 from engine.methods.wavelet_brdf import levels
 from engine.methods.wavelet_brdf.codes import NAME, Codes, codes_of
-from engine.methods.wavelet_brdf.limits import fits_of, said_of
+from engine.methods.wavelet_brdf.facets import scatter
+from engine.methods.wavelet_brdf.limits import fits_of, said_of, said_of_facets
 from engine.methods.wavelet_brdf.settings import Settings
 from engine.methods.wavelet_brdf.surface import buffer_of
 from engine.scene.camera import Camera
@@ -108,11 +109,14 @@ class Wavelets:
         (image, clock), notices = self._backend.draw(backend, draw, lambda: draw(None))
         if self._backend.failed and self._seen is not None:
             self._seen, self._shading = replace(self._seen, on_gl=None), None
-        return Frame(image, clock.timings(), (*notices, *self._said()))
+        return Frame(image, clock.timings(), (*notices, *self._said(image)))
 
-    def _said(self) -> tuple[Diagnosis, ...]:
+    def _said(self, image: NDArray[np.float32]) -> tuple[Diagnosis, ...]:
         materials, _, codes = self._codes
-        return tuple(said_of(self.scene, materials, codes, self._used, self._shares))
+        said = tuple(said_of(self.scene, materials, codes, self._used, self._shares))
+        if self._seen is None or self._seen.scale > 1 or self._settings.show == "levels":
+            return said
+        return (*said, *said_of_facets(scatter(self._seen.view.buffer.centre, image)))
 
     def _draw(
         self, camera: Camera, lights: tuple[Light, ...], materials: tuple[Material, ...],
