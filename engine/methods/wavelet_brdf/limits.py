@@ -85,8 +85,8 @@ def said_of_facets(scattered: float) -> Iterator[Diagnosis]:
         yield Diagnosis(
             "facets_within_pixels",
             "Facets are smaller than pixels, and each pixel shows one of them: for that the "
-            f"picture is about {scattered:.0%} off, and glitters when the view moves. Come nearer, draw "
-            "more pixels, or set detail to footprint.",
+            f"picture is about {scattered:.0%} off, and glitters when the view moves. Come nearer, "
+            "draw more pixels, or set detail to footprint.",
             scattered,
         )
 
