@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
@@ -16,10 +17,10 @@ KEPT_TUNED = 4
 
 
 class Recent(Generic[Name, Value]):
-    """The `limit` entries used last."""
+    """The entries used last: `limit` of them, or of all their sizes together. The newest stays."""
 
-    def __init__(self, limit: int) -> None:
-        self._limit = limit
+    def __init__(self, limit: int, size: Callable[[Value], int] = lambda value: 1) -> None:
+        self._limit, self._size = limit, size
         self._entries: OrderedDict[Name, Value] = OrderedDict()
 
     def get(self, key: Name) -> Value | None:
@@ -36,20 +37,24 @@ class Recent(Generic[Name, Value]):
         """Add an entry, let the oldest go."""
         self._entries[key] = value
         self._entries.move_to_end(key)
-        while len(self._entries) > self._limit:
+        while len(self._entries) > 1 and sum(map(self._size, self._entries.values())) > self._limit:
             self._entries.popitem(last=False)
 
 
 @dataclass(frozen=True)
 class Shelved:
-    """A product, and the same with some other settings of its method's `run_time`."""
+    """A product, and the same with some other settings of its method's `run_time`.
+
+    beside  bytes that it takes beside its transport
+    """
 
     product: Product
+    beside: int = 0
     tuned: Recent[Any, Product] = field(default_factory=lambda: Recent(KEPT_TUNED))
 
 
 class Shelf:
-    """Products by name; those used last stay, in so many bytes of transport. For any thread.
+    """Products by name; those used last stay, in so many bytes. For any thread.
 
     The newest stays in any case. One that is let go while a frame is made with it lives until that
     is done, for whoever makes the frame holds it.
@@ -73,10 +78,10 @@ class Shelf:
                 self._kept.move_to_end(name)
             return self._kept.get(name)
 
-    def keep(self, name: Any, product: Product) -> None:
+    def keep(self, name: Any, product: Product, beside: int = 0) -> None:
         """Add a product, and let go what there is no room for any more."""
         with self._lock:
-            self._kept[name] = Shelved(product)
+            self._kept[name] = Shelved(product, beside)
             self._kept.move_to_end(name)
             while len(self._kept) > 1 and self._bytes() > self._most:
                 self._kept.popitem(last=False)
@@ -93,4 +98,4 @@ class Shelf:
             return self._bytes()
 
     def _bytes(self) -> int:
-        return sum(shelved.product.bytes for shelved in self._kept.values())
+        return sum(shelved.product.bytes + shelved.beside for shelved in self._kept.values())

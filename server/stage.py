@@ -16,7 +16,7 @@ from pathlib import Path, PurePath
 from typing import Any, NamedTuple
 
 from engine.diagnosis import Diagnosis
-from engine.errors import EditNotSupported, NotFound
+from engine.errors import EditError, EditNotSupported, NotFound
 from engine.measure.previews import SHOWN, doubled
 from engine.methods import METHODS
 from engine.methods.base import EDITS, Frame, Product
@@ -33,6 +33,8 @@ METHOD = "direct_to_indirect"
 QUICK = "preview"  # in the name of a quick version on the shelf
 MAP_FILES, MEASURED_FILES = {".hdr", ".exr"}, {".brdf", ".binary", ".csv"}
 MOST_FILES = 100
+MOST_PIXELS = 1 << 23
+PIXEL_BYTES = 300  # of what a camera sees, four points at edges included
 CAMERA = frozenset({"camera"})
 HELD = CAMERA | {"materials"}  # what products may be made for
 
@@ -101,8 +103,15 @@ class Stage:
         return self.name.startswith(SENT)
 
     def camera(self, edits: Edits) -> Camera:
-        """The camera under the edits."""
-        return edited_camera(self.scene().camera, edits.camera)
+        """The camera under the edits. Raises EditError, for a picture that is too large too."""
+        camera = edited_camera(self.scene().camera, edits.camera)
+        if camera.width * camera.height > MOST_PIXELS:
+            raise EditError(
+                f"{camera.width} x {camera.height} pixels are more than the {MOST_PIXELS >> 20} "
+                "million that the service draws; `relight render` draws larger pictures",
+                field="camera",
+            )
+        return camera
 
     def with_materials(self, materials: Materials | None) -> Scene:
         """The scene under edits of materials. Raises EditError."""
@@ -144,14 +153,14 @@ class Stage:
 
     def install(self, task: Task, product: Product) -> None:
         """Use the product of a task from now on."""
-        self._shelf.keep((self.name, task.key[-1]), product)
+        self._shelf.keep((self.name, task.key[-1]), product, _beside(task))
         self._shelf.let_go((self.name, task.key[-1], QUICK))
         self._settings[task.method] = task.settings
 
     def install_preview(self, task: Task, product: Product) -> None:
         """Use a quick version until the product of the task is there."""
         if self._shelf.get((self.name, task.key[-1])) is None:
-            self._shelf.keep((self.name, task.key[-1], QUICK), product)
+            self._shelf.keep((self.name, task.key[-1], QUICK), product, _beside(task) // 4)
 
     def has_preview(self, task: Task) -> bool:
         """Whether it has one."""
@@ -205,6 +214,11 @@ class Stage:
         preview = DirectPreview(scene.with_camera(camera), lamps_alone)
         self._direct.keep((self.name, kind, camera), preview)
         return View(preview, 1, "direct", HELD)
+
+
+def _beside(task: Task) -> int:
+    """Bytes of what the task's camera sees, which a product has beside its transport."""
+    return PIXEL_BYTES * task.camera.width * task.camera.height
 
 
 def _require_run_time(method: str, settings: Mapping[str, Any]) -> None:

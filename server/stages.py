@@ -13,8 +13,8 @@ from server.intake import SENT
 from server.shelf import Shelf
 from server.stage import Direct, Stage
 
-MEMORY = 4e9  # bytes of products
-KEPT_DIRECT = 8  # views in direct light, of all scenes together
+MEMORY = 4e9  # bytes of products and of the pictures that they are seen in
+KEPT_DIRECT = 1 << 22  # pixels of views in direct light, of all scenes together
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,8 @@ def stages(sources: Sequence[str], memory: float = MEMORY) -> Stages:
     """
     builtin = dict(scenes())
     found: dict[str, Stage] = {}
-    shelf, direct = Shelf(memory), Direct(KEPT_DIRECT)
+    shelf = Shelf(memory)
+    direct = Direct(KEPT_DIRECT, lambda preview: len(preview.view.buffer.centre))
     for source in sources:
         if source in builtin:
             found[source] = Stage(source, source, builtin[source], shelf, direct)

@@ -31,6 +31,23 @@ def test_recent_keeps_what_was_used_last() -> None:
     assert (recent.get(1), recent.get(2), recent.get(3)) == (10, None, 30)
 
 
+def test_recent_by_size() -> None:
+    """The newest stays, however large it is."""
+    recent: Recent[str, int] = Recent(10, lambda value: value)
+    for name, size in (("a", 4), ("b", 4), ("c", 4), ("d", 40)):
+        recent.keep(name, size)
+        kept = [name for name in "abcd" if recent.get(name)]
+        assert kept == {"a": ["a"], "b": ["a", "b"], "c": ["b", "c"], "d": ["d"]}[name]
+
+
+def test_what_a_product_takes_beside_its_transport_counts() -> None:
+    shelf = Shelf(100)
+    shelf.keep("a", heavy(30), 30)
+    shelf.keep("b", heavy(30), 20)
+    assert shelf.bytes == 50
+    assert shelf.get("a") is None
+
+
 def test_the_least_recently_used_are_let_go() -> None:
     shelf = Shelf(100)
     for name in "abc":

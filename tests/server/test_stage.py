@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from engine.errors import NotFound
+from engine.errors import EditError, NotFound
 from engine.scene.edits import Edits
 from server.stages import slug, stages, unique
 
@@ -54,3 +54,12 @@ def test_a_moving_camera_pays_for_small_buffers_only(tiny_scene: Path) -> None:
     assert full.relight(Edits()).image.shape == (18, 24, 3)
     # Once the full buffer is there it serves both.
     assert stage.view(camera, 2).renderer is full.renderer
+
+
+def test_a_picture_that_is_too_large_for_a_service(tiny_scene: Path) -> None:
+    """A thousand bytes of a request must not take gigabytes."""
+    stage = stages([str(tiny_scene)]).default
+    assert stage.camera(Edits(camera={"width": 3840, "height": 2160})).width == 3840
+    with pytest.raises(EditError, match=r"the 8 million that the service draws") as caught:
+        stage.camera(Edits(camera={"width": 4096, "height": 4096}))
+    assert caught.value.field == "camera"

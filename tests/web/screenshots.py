@@ -115,8 +115,9 @@ def materials(page: Page) -> None:
     """The knot, of copper."""
     box = page.locator("#picture").bounding_box()
     assert box is not None
-    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.click(box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
     page.keyboard.press("Escape")
+    page.locator("#editor-list .selected", has_text="brushed").wait_for()
     page.locator("#editor select").first.select_option("preset copper")
     settled(page, "brdf_editing")
     # The first frame is one that sets up; what is told shall be of one as they are.
