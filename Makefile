@@ -18,7 +18,8 @@ TEST_PACKAGES := $(GL_PACKAGES) chromium libatomic1
 # Most of what is of the system as a whole; the other half, which takes as long, is of its parts.
 # In this order both seldom compile the same kernels at a time, nor does a service that a test starts:
 # the path tracer's here, those of the methods there.
-SYSTEM_TESTS := tests/analytic tests/measure tests/stability tests/cli tests/reference tests/web
+SYSTEM_TESTS := tests/analytic tests/measure tests/stability tests/cli tests/reference tests/web \
+  tests/numerics tests/scene tests/store
 UNIT_TESTS := tests/methods $(filter-out tests/methods tests/__pycache__ $(SYSTEM_TESTS), \
   $(patsubst %/,%,$(wildcard tests/*/)) $(wildcard tests/test_*.py))
 PEER_PACKAGES := libllvm19 libatomic1
