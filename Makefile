@@ -15,7 +15,7 @@ BIN := .venv/bin
 GL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri
 # A browser for the page, and a library that Mitsuba's wheels take for granted.
 TEST_PACKAGES := $(GL_PACKAGES) chromium libatomic1
-# Most of what is of the system as a whole; the other half, which takes as long, is of its parts.
+# What is of the system as a whole, and as much of its parts that the other half takes as long.
 # In this order both seldom compile the same kernels at a time, nor does a service that a test starts:
 # the path tracer's here, those of the methods there.
 SYSTEM_TESTS := tests/analytic tests/measure tests/stability tests/cli tests/reference tests/web \

@@ -19,7 +19,7 @@ KEPT_TUNED = 4
 class Recent(Generic[Name, Value]):
     """The entries used last: `limit` of them, or of all their sizes together. The newest stays."""
 
-    def __init__(self, limit: int, size: Callable[[Value], int] = lambda value: 1) -> None:
+    def __init__(self, limit: float, size: Callable[[Value], int] = lambda value: 1) -> None:
         self._limit, self._size = limit, size
         self._entries: OrderedDict[Name, Value] = OrderedDict()
 
@@ -37,8 +37,17 @@ class Recent(Generic[Name, Value]):
         """Add an entry, let the oldest go."""
         self._entries[key] = value
         self._entries.move_to_end(key)
-        while len(self._entries) > 1 and sum(map(self._size, self._entries.values())) > self._limit:
+        while len(self._entries) > 1 and self.total > self._limit:
             self._entries.popitem(last=False)
+
+    def let_go(self, key: Name) -> None:
+        """The entry goes, if it is here."""
+        self._entries.pop(key, None)
+
+    @property
+    def total(self) -> int:
+        """All sizes together."""
+        return sum(map(self._size, self._entries.values()))
 
 
 @dataclass(frozen=True)
@@ -52,6 +61,11 @@ class Shelved:
     beside: int = 0
     tuned: Recent[Any, Product] = field(default_factory=lambda: Recent(KEPT_TUNED))
 
+    @property
+    def bytes(self) -> int:
+        """All that it takes."""
+        return self.product.bytes + self.beside
+
 
 class Shelf:
     """Products by name; those used last stay, in so many bytes. For any thread.
@@ -61,9 +75,8 @@ class Shelf:
     """
 
     def __init__(self, most: float) -> None:
-        self._most = most
         self._lock = threading.Lock()
-        self._kept: OrderedDict[Any, Shelved] = OrderedDict()
+        self._kept: Recent[Any, Shelved] = Recent(most, lambda shelved: shelved.bytes)
 
     def get(self, name: Any) -> Product | None:
         """The product; None where it is not here."""
@@ -74,28 +87,20 @@ class Shelf:
     def use(self, name: Any) -> Shelved | None:
         """The same with what belongs to it, and now the newest."""
         with self._lock:
-            if name in self._kept:
-                self._kept.move_to_end(name)
-            return self._kept.get(name)
+            return self._kept.use(name)
 
     def keep(self, name: Any, product: Product, beside: int = 0) -> None:
         """Add a product, and let go what there is no room for any more."""
         with self._lock:
-            self._kept[name] = Shelved(product, beside)
-            self._kept.move_to_end(name)
-            while len(self._kept) > 1 and self._bytes() > self._most:
-                self._kept.popitem(last=False)
+            self._kept.keep(name, Shelved(product, beside))
 
     def let_go(self, name: Any) -> None:
         """The product is needed no more, if it is here."""
         with self._lock:
-            self._kept.pop(name, None)
+            self._kept.let_go(name)
 
     @property
     def bytes(self) -> int:
         """Of all that is here."""
         with self._lock:
-            return self._bytes()
-
-    def _bytes(self) -> int:
-        return sum(shelved.product.bytes + shelved.beside for shelved in self._kept.values())
+            return self._kept.total

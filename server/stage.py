@@ -186,15 +186,15 @@ class Stage:
         name = (self.name, _key(camera, method, materials))
         if settings:
             _require_run_time(method, settings)
-        shelved = self._shelf.use(name)
+        whole = self._shelf.use(name)
+        shelved = whole or self._shelf.use((*name, QUICK))
         if shelved is not None:
             product = _retuned(shelved, method, settings or {})
-            return View(product, scale, product.method, HELD - EDITS[method])
-        shelved = self._shelf.use((*name, QUICK))
-        if shelved is not None:
-            product = _retuned(shelved, method, settings or {})
+            view = View(product, scale, product.method, HELD - EDITS[method])
+            if whole is not None:
+                return view
             size = (camera.width, camera.height) if scale == 1 else None
-            return View(product, 1, product.method, HELD - EDITS[method], (SHOWN,), size)
+            return view._replace(scale=1, notices=(SHOWN,), size=size)
         if materials and "materials" not in EDITS[method]:
             raise EditNotSupported(
                 f"{method} holds materials fixed: have it precomputed with these first",
@@ -208,9 +208,7 @@ class Stage:
             return View(preview, scale, "direct", HELD)
         if scale > 1:
             # A camera that moves would pay for a full buffer at every step: trace fewer rays.
-            camera = camera.model_copy(
-                update={"width": -(-camera.width // scale), "height": -(-camera.height // scale)}
-            )
+            camera = camera.reduced(scale)
         preview = DirectPreview(scene.with_camera(camera), lamps_alone)
         self._direct.keep((self.name, kind, camera), preview)
         return View(preview, 1, "direct", HELD)

@@ -52,9 +52,7 @@ none were found yet that are quick.
 
 def halved(scene: Scene) -> Scene:
     """The scene as a preview sees it: a quarter of the pixels."""
-    camera = scene.camera
-    size = {"width": -(-camera.width // 2), "height": -(-camera.height // 2)}
-    return scene.with_camera(camera.model_copy(update=size))
+    return scene.with_camera(scene.camera.reduced(2))
 
 
 def doubled(image: NDArray[np.float32], width: int, height: int) -> NDArray[np.float32]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +52,11 @@ class Camera(Description):
     def shape(self, step: int = 1) -> tuple[int, int]:
         """(height, width) of the picture of every step-th pixel of every step-th row."""
         return -(-self.height // step), -(-self.width // step)
+
+    def reduced(self, step: int) -> Self:
+        """The camera of a picture of its own with so many pixels."""
+        height, width = self.shape(step)
+        return self.model_copy(update={"width": width, "height": height})
 
     @property
     def spread(self) -> float:

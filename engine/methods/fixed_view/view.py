@@ -88,8 +88,7 @@ class View:
 
     def shape(self, scale: int) -> tuple[int, int]:
         """(height, width) of a picture of every scale-th pixel."""
-        camera = self.scene.camera
-        return -(-camera.height // scale), -(-camera.width // scale)
+        return self.scene.camera.shape(scale)
 
     def points(self, scale: int) -> Points:
         """The pixels' centres; scale 1 or 2."""

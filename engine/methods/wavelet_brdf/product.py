@@ -28,7 +28,7 @@ from engine.methods.fixed_view.view import View
 from engine.methods.light_shares import light_shares
 from engine.methods.wavelet_brdf import levels
 from engine.methods.wavelet_brdf.codes import NAME, Codes, codes_of
-from engine.methods.wavelet_brdf.facets import scatter
+from engine.methods.wavelet_brdf.glitter import scatter
 from engine.methods.wavelet_brdf.limits import fits_of, said_of, said_of_facets
 from engine.methods.wavelet_brdf.settings import Settings
 from engine.methods.wavelet_brdf.surface import buffer_of

@@ -51,9 +51,8 @@ def buffer_of(
     if settings.level > 0:
         for points in (centre, sub):
             levels.at_least(points, settings.level, codes.each)
-    pixels = camera.model_copy(update={"width": width, "height": height})
     donors = np.repeat(view.edge, 4)
-    return FrameBuffer(pixels, centre, view.edge, sub, donors, spread)
+    return FrameBuffer(camera.reduced(scale), centre, view.edge, sub, donors, spread)
 
 
 def _points(scene: Scene, codes: Codes, seen: Seen, room: Points | None = None) -> Points:

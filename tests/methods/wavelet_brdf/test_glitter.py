@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from engine.methods.fixed_view.frame_buffer import Points, no_points
-from engine.methods.wavelet_brdf.facets import scatter
+from engine.methods.wavelet_brdf.glitter import scatter
 
 SIDE = 200
 

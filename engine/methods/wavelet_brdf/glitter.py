@@ -31,8 +31,10 @@ def scatter(points: Points, image: NDArray[np.float32]) -> float:
     normal = points.normal.reshape(height, width, 3)
     obj = points.object.reshape(height, width)
     for_ranges(_scatter, height - 2, normal, obj, image, squares, grain=32)
-    whole = float(np.sum(np.square(image), dtype=np.float64))
-    return math.sqrt(LEAST * float(squares.sum(dtype=np.float64)) / whole) if whole > 0 else 0.0
+    off = float(squares.sum(dtype=np.float64))
+    if off == 0:
+        return 0.0
+    return math.sqrt(LEAST * off / float(np.sum(np.square(image), dtype=np.float64)))
 
 
 @njit(cache=True, nogil=True)
