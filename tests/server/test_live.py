@@ -209,6 +209,8 @@ def test_the_indirect_light_arrives_by_itself(live: Client, gate: Gate, address:
     header, direct = live.frame()
     assert header["job"]
     running = live.message("job")["job"]
+    if running["status"] == "queued":  # as a busy machine may tell first
+        running = live.message("job")["job"]
     assert (running["id"], running["status"]) == (header["job"], "running")
     with httpx.stream("GET", f"{address}/api/jobs/{header['job']}/events") as events:
         gate.open.set()
